@@ -1,8 +1,8 @@
 #include "capi/api_common.hpp"
 
-#include <cmath>
 #include <glm/geometric.hpp>
 
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/surface/surface_builder.hpp"
@@ -156,9 +156,8 @@ double lost_degrees(const touch_plane& plane, const Scene& scene, const FrameScr
                 kept[k] = point(scene.depth.depth(code));
             }
             if (!is_whole) continue;
-            const glm::dvec3 a = glm::cross(given[1] - given[0], given[2] - given[0]),
-                             b = glm::cross(kept[1] - kept[0], kept[2] - kept[0]);
-            degrees += std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 57.29577951308232;
+            degrees += degrees_between(glm::cross(given[1] - given[0], given[2] - given[0]),
+                                       glm::cross(kept[1] - kept[0], kept[2] - kept[0]));
             ++count;
         }
     return count > 0 ? degrees / count : 0;

@@ -44,8 +44,7 @@ constexpr auto scenes = handles<SceneObject, 1, Forked::usable>;
 /// The object of a touch_surface. One thread pushes, one solver reads the timeline.
 struct SurfaceObject {
     SurfaceObject(const Scene& of_scene, const touch_surface_settings& of_program)
-        : given(of_scene),
-          of_integers(scene_of_depth(of_scene, TOUCH_U16)),
+        : of_integers(of_scene),
           of_floats(scene_of_depth(of_scene, TOUCH_F32)),
           settings(of_program),
           timeline(settings.frames) {}
@@ -53,7 +52,7 @@ struct SurfaceObject {
     /// Before the first frame: settles the scene by its depth.
     void settle(std::int32_t sample) {
         const Scene& settled = sample == TOUCH_F32 ? of_floats : of_integers;
-        scratch.integer_scale = integer_scale_after(given, sample);
+        scratch.integer_scale = integer_scale_after(of_integers, sample);
         builder = make_cpu_builder(settled, CpuPlan{settings.threads});
         if (settings.error_bars == 1) builder = with_error_bars(std::move(builder), settled);
         chosen.store(&settled, std::memory_order_release);
@@ -65,7 +64,7 @@ struct SurfaceObject {
         std::int64_t number = 0, time_ns = 0;
     };
 
-    const Scene given, of_integers, of_floats;
+    const Scene of_integers, of_floats;
     std::atomic<const Scene*> chosen{&of_integers};
     const touch_surface_settings settings;
     std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards the members up to the timeline

@@ -104,9 +104,9 @@ typedef struct touch_camera {
     double cx_px;                /**< column of the principal point, pixels; pixel (0, 0) has its centre at (0, 0) */
     double cy_px;                /**< its row, pixels */
     double metres_per_code;      /**< of uint16 depth, > 0; 0.001: millimetres. Depth as floats is metres, rounded to this;
-                                    65535 times this is the largest possible depth. 0, the default: not stated: depth
-                                    as floats is rounded to far_m / 65534, uint16 depth is millimetres (after floats,
-                                    it is rounded to their steps). See touch_frame.lost_degrees */
+                                    65535 times this is the largest possible depth. 0, the default: not stated: floats
+                                    are rounded to far_m / 65534, and uint16 depth is millimetres; if a surface or clip
+                                    has both, its first frame decides, and the others are rounded to its steps */
     double far_m;                /**< deeper pixels have no surface; metres, > 0. See touch_frame.lost_pixels */
     double frames_per_second;    /**< > 0; used for frames that are counted, not timed */
     double stiffness_n_per_m;    /**< used without a haptic picture; >= 0 */

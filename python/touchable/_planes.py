@@ -111,13 +111,11 @@ def lost_words(lost: int, scene: Any) -> str:
             "the last code; a larger far_m (and metres_per_code) of the camera keeps them, 0 or NaN says that there is none")
 
 
-most_degrees = 1.0  # that rounding may turn the surface by, unsaid
-
-
 def rounded_words(degrees: float) -> str:
-    """What a warning says of floats that are rounded too much."""
-    return (f"rounding turns the surface by {degrees:.2g} degrees on average: depth as floats lies closer together than the "
-            "steps that it is rounded to; a camera with a smaller far_m, or a finer metres_per_code, loses less")
+    """What a warning says of floats that are rounded too much; empty up to a degree."""
+    return "" if degrees <= 1 else (
+            f"rounding turns the surface by {degrees:.2g} degrees on average: depth as floats is finer than the steps that "
+            "it is rounded to; a camera with a smaller far_m, or a finer metres_per_code, loses less")
 
 
 class _Owner:

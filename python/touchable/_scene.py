@@ -59,8 +59,8 @@ class Camera:
     depth_kind: "planar": depth is along -Z, as depth cameras give it; or "range": along the pixel's ray.
     takes_codes: False without metres_per_code, as of a clip whose codes are no multiples of a length: depth is floats alone.
 
-    Raises UsageError (a ValueError) where depth_kind is neither, or metres_per_code is not above 0; and where a scene is made of it and a member is out of
-    its range.
+    Raises UsageError (a ValueError) where depth_kind is neither, or metres_per_code is not above 0; and where a scene is made
+    of it and a member is out of its range.
     """
 
     width: int = 640

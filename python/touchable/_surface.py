@@ -16,7 +16,6 @@ from ._clip import Frame, open_array
 from ._library import Closable, SurfaceSettings, call, flag, made
 from ._scene import Camera, Scene, scene_of
 from ._writing import depth_of, reaching
-
 from .errors import Error, UsageError
 
 if TYPE_CHECKING:
@@ -49,22 +48,22 @@ class Surface(Closable):
             them: values become the codes of a file of them (needs libtouchable-media).
 
         Floats are rounded to the finest decimal step by which 16 bits reach 5 % beyond `depth`, unless the camera states
-        metres_per_code or far_m. Warnings say once where rounding turns the surface by more than a degree, where depths as
-        floats are none that the scene has (such as beyond far_m), where the first picture has no surface, and where it looks
-        like disparity. Raises UsageError (a ValueError) where these are most of a picture, or it has not the scene's size or kind.
+        metres_per_code or far_m. Warnings say once where rounding turns the surface by more than a degree, where the first
+        picture has no surface or looks like disparity, and where depths as floats are none that the scene has, such as beyond
+        far_m. Raises UsageError (a ValueError) where these are most of a picture, or it has not the scene's size or kind.
         """
         if preset is not None:
             if depth is None or isinstance(depth, Frame):
                 raise _planes.refuse("preset is given without a depth array; use Scene.from_camera(camera, preset=...)")
-            depth, _ = open_array(numpy.asarray(depth), camera, preset=preset, near_m=near_m, far_m=far_m)
-            meaning: Any = depth.scene
+            read, _ = open_array(numpy.asarray(depth), camera, preset=preset, near_m=near_m, far_m=far_m)
+            depth, meaning = read.depth, read.scene
         else:
             if near_m is not None or far_m is not None:
                 raise _planes.refuse("near_m or far_m is given without preset; a camera has far_m")
             meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
             given = None if depth is None else depth_of(depth)
-            if isinstance(camera, Camera) and camera.far_m is camera.metres_per_code is None and (
-                    given is not None and given.dtype.kind == "f"):
+            is_open = isinstance(camera, Camera) and camera.far_m is None and camera.metres_per_code is None
+            if is_open and given is not None and given.dtype.kind == "f":
                 try:
                     meaning = reaching(camera, [given])
                 except UsageError as problem:
@@ -106,20 +105,15 @@ class Surface(Closable):
             time_ns = frame.time_ns if isinstance(frame, Frame) else counted
         struct = self.scene._frame_struct(frame, self._pushed, time_ns)
         call("surface_push", self._handle.number, struct)
-        lines: dict[str, str] = {}
-        if struct.lost.value:
-            lines["lost"] = _planes.lost_words(struct.lost.value, self.scene)
-        if struct.degrees.value > _planes.most_degrees:
-            lines["rounded"] = _planes.rounded_words(struct.degrees.value)
+        lines = {"lost": _planes.lost_words(struct.lost.value, self.scene) if struct.lost.value else "",
+                 "rounded": _planes.rounded_words(struct.degrees.value)}
         if self._first is None:
             self._first = _copy_of(struct.depth)
-            if self._may_be_disparity and (line := _disparity_words(self._first)):
-                lines["first"] = line
-            elif not numpy.isfinite(self.first_metres).any():
-                lines["first"] = _no_surface_words(self._first)
+            lines["first"] = (self._may_be_disparity and _disparity_words(self._first)) or _no_surface_words(
+                self._first, self.first_metres)
         self._pushed += 1
         for kind, line in lines.items():
-            if kind not in self._warned:
+            if line and kind not in self._warned:
                 self._warned.add(kind)
                 warnings.warn(line, stacklevel=3)
 
@@ -230,8 +224,10 @@ def _deepest(scene: Scene) -> float:
     return min(scene.far_units, (last + 0.5) * step)
 
 
-def _no_surface_words(depth: NDArray[Any]) -> str:
-    """What a warning says of a picture without any surface."""
+def _no_surface_words(depth: NDArray[Any], metres: NDArray[numpy.float32]) -> str:
+    """What a warning says of a picture without any surface; empty: it has one."""
+    if numpy.isfinite(metres).any():
+        return ""
     if depth.dtype.kind == "f" and (depth < 0).any():
         return "the picture has no surface: its depths are below 0; depth is positive away from the camera, so give -depth"
     return "the picture has no surface: all of its pixels are 0, NaN, or outside the depths that the camera or scene has"
@@ -239,12 +235,12 @@ def _no_surface_words(depth: NDArray[Any]) -> str:
 
 def _disparity_words(depth: NDArray[Any]) -> str:
     """What the library says of depth that looks like disparity, as of a file; empty: nothing."""
-    values = numpy.where(depth > 0, depth, numpy.nan)
-    third = len(values) // 3
-    with warnings.catch_warnings(), contextlib.suppress(ImportError, Error):  # it needs libtouchable-media
-        warnings.simplefilter("ignore")  # of thirds that are empty
-        if numpy.nanmean(values[-third:]) > numpy.nanmean(values[:third]):
-            scaled = numpy.nan_to_num(values * (5 / numpy.nanmedian(values)))  # surely lengths, by their size
+    valid = (depth > 0) & (depth < 1e9)
+    third = len(depth) // 3
+    upper, lower = depth[:third][valid[:third]], depth[-third:][valid[-third:]]
+    if upper.size and lower.size and lower.mean() > upper.mean():
+        scaled = numpy.where(valid, depth * (5 / numpy.median(depth[valid])), 0)  # surely lengths, by their size
+        with contextlib.suppress(ImportError, Error):  # without libtouchable-media it stays unsaid
             return next((note for note in open_array(scaled)[1] if "relative-inverse" in note), "")
     return ""
 

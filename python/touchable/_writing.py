@@ -87,8 +87,8 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
         watch.warn()
     if lost:
         warnings.warn(_planes.lost_words(lost, meaning), stacklevel=2)
-    if degrees > _planes.most_degrees:
-        warnings.warn(_planes.rounded_words(degrees), stacklevel=2)
+    if line := _planes.rounded_words(degrees):
+        warnings.warn(line, stacklevel=2)
     return count
 
 

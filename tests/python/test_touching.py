@@ -434,7 +434,8 @@ class OpenSteps(unittest.TestCase):
         for made in touchable.Surface(codes, self.camera, preset="tum"), touchable.Surface(codes, scene):
             self.assertLess(numpy.abs(made.first_metres - codes / 5000).max(), 1e-7)
             self.assertEqual((made.scene.fx_px, made.scene.camera.metres_per_code), (300, 0.0002))
-        self.assertEqual(touchable.Surface(codes[:100], preset="tum").scene.height, 100)
+        soft = numpy.full((100, 160, 3), 0, numpy.uint8)
+        self.assertEqual(touchable.Surface(codes[:100], preset="tum", haptic=soft).scene.height, 100)
         near = touchable.Scene.from_camera(self.camera, preset="relative-inverse").metres(codes * 0 + 65535)
         self.assertAlmostEqual(near.max(), 0.5)  # as `touchable info` takes the nearest
 
