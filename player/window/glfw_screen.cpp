@@ -11,6 +11,7 @@
 #include <cstring>
 #include <functional>
 #include <future>
+#include <new>
 #include <tuple>
 
 #include "engine/base/files.hpp"
@@ -138,6 +139,9 @@ public:
         if (result != VK_SUCCESS && !outdated_) return failed("vkQueuePresentKHR", result);
         return {};
     }
+
+    /// Gives up the GPU: a thread may wait for the display in `present`, and hold the GPU's queue.
+    void leave() { device_->lose(); }
 
 private:
     Swapchain(std::shared_ptr<GpuDevice> device, std::unique_ptr<WindowSurface> surface)
@@ -355,6 +359,15 @@ Error no_display() {
 /// must that be the main one.) Vulkan's swapchain belongs to the main thread.
 class GlfwScreen final : public Screen {
 public:
+    /// A display that hangs is left behind, with all that waits for it, once the program is asked to stop.
+    static void operator delete(GlfwScreen* screen, std::destroying_delete_t) {
+        if (!screen->answers()) {
+            ++abandoned_threads;
+            return;
+        }
+        screen->~GlfwScreen();
+        ::operator delete(screen);
+    }
     ~GlfwScreen() override {
         swapchain_.reset();
         is_over_ = true;  // polled: GLFW may be gone before it could be woken
@@ -366,7 +379,7 @@ public:
         std::promise<Result<void>> opened;
         auto outcome = opened.get_future();
         TRY(start_thread(thread_, "window", "that hears keys and mouse",
-                         [this, opened = std::move(opened), &options]() mutable {
+                         [this, opened = std::move(opened), options]() mutable {
                              Result<void> done = no_display();
                              while_connected([&] {
                                  done = open_window(options);
@@ -377,7 +390,10 @@ public:
                              serve();
                              leave();
                          }));
-        return outcome.get();
+        is_left_ = !wait_unless_stopped(
+            [&] { return outcome.wait_for(std::chrono::seconds(0)) == std::future_status::ready; },
+            std::chrono::milliseconds(1));
+        return is_left_ ? Result<void>(interrupted_error()) : outcome.get();
     }
 
     std::vector<std::string> extensions() const override {
@@ -387,12 +403,18 @@ public:
     }
 
     Result<void> attach(std::shared_ptr<GpuDevice> device) override {
-        swapchain_.reset();
-        auto surface = WindowSurface::create(device->vulkan(), window_, x_window());
-        if (!surface) return why(surface.error());
-        auto made = Swapchain::create(std::move(device), std::move(*surface));
-        if (!made) return why(made.error());
-        swapchain_ = std::move(*made);
+        using Made = Result<std::shared_ptr<Swapchain>>;
+        auto made = unless_stopped([before = std::move(swapchain_), device = std::move(device),
+                                    window = window_, x_window = x_window()]() mutable -> Made {
+            before.reset();
+            TRY_ASSIGN(auto surface, WindowSurface::create(device->vulkan(), window, x_window));
+            TRY_ASSIGN(auto chain, Swapchain::create(std::move(device), std::move(surface)));
+            return Made(std::move(chain));
+        });
+        is_left_ = !made;
+        if (is_left_) return interrupted_error();
+        if (!*made) return why(made->error());
+        swapchain_ = std::move(**made);
         return {};
     }
 
@@ -418,10 +440,20 @@ public:
 
     Result<void> present(GpuCommands commands, const GpuImage& canvas) override {
         const ScreenSize now = size();
-        const auto shown = swapchain_->present(
-            std::move(commands), canvas,
-            {static_cast<std::uint32_t>(now.width), static_cast<std::uint32_t>(now.height)});
-        return shown ? shown : why(shown.error());
+        const VkExtent2D wanted{static_cast<std::uint32_t>(now.width),
+                                static_cast<std::uint32_t>(now.height)};
+        const auto shown =
+            unless_stopped([chain = swapchain_, commands = std::move(commands), canvas, wanted]() mutable {
+                return chain->present(std::move(commands), canvas, wanted);
+            });
+        if (shown) return *shown ? *shown : why(shown->error());
+        // The picture of a display that answers is soon done.
+        const auto until = std::chrono::steady_clock::now() + grace;
+        while (swapchain_.use_count() > 1 && std::chrono::steady_clock::now() < until)
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        is_left_ = swapchain_.use_count() > 1;
+        if (is_left_) swapchain_->leave();
+        return {};
     }
 
     void set_title(const std::string& title) override {
@@ -453,6 +485,9 @@ public:
     }
 
 private:
+    /// After a stop, for a display's answer.
+    static constexpr std::chrono::milliseconds grace{80};
+
     // The main thread's functions.
     /// Queues an errand for the window's thread; it is skipped if the display is gone.
     std::uint64_t ask(std::function<void()> errand) {
@@ -471,6 +506,15 @@ private:
         const std::uint64_t number = ask(std::move(errand));
         std::unique_lock lock(mutex_);
         (void)wait_unless_stopped(has_news_, lock, [&] { return done_ >= number; });
+    }
+    /// Whether the display answers, or the program is not asked to stop.
+    bool answers() {
+        if (is_left_ || is_over_ || !thread_.joinable()) return !is_left_;
+        const std::uint64_t number = ask([this] { note_size(); });
+        std::unique_lock lock(mutex_);
+        while (!has_news_.wait_for(lock, grace, [&] { return done_ >= number; }))
+            if (stop_requested()) return false;
+        return true;
     }
     /// The error; if the window is gone, that reason instead.
     Error why(const Error& error) {
@@ -706,8 +750,9 @@ private:
     std::string touch_state_;
     std::function<void(InputEvent&)> at_once_;
     // The main thread's data.
-    std::unique_ptr<Swapchain> swapchain_;
+    std::shared_ptr<Swapchain> swapchain_;
     bool hidden_ = false;
+    bool is_left_ = false;  // a thread waits for the display, and is not waited for
     // Shared data.
     mutable std::mutex mutex_;
     std::condition_variable has_news_;  // an event came, or an errand is done
