@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs all benchmarks with --quick, into out/bench/, and makes one page of them: ./run bench [--compare OLD] (README.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Draws what `touchable-bench` wrote.
 
 plot.py report RECORDS OUT.html [--compare OLD]   a page: what is best, what got worse, all figures

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """What Python costs over the C library, as ratios within one run: python3 bench/python_api.py [--rounds N] [--program PATH]
 
 A batch of 1000 ticks by Solver.run against touch_solver_run with memory that is there already; ticks one by one against the

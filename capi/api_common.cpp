@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "capi/api_common.hpp"
 
 #include <glm/geometric.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Parts shared by both C libraries (libtouchable: touch_api.cpp, libtouchable-media: clip_api.cpp).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // libtouchable-media: clips (any file that the program opens, as framesets) and writers (a program's
 // framesets as a clip). Scenes and their handles belong to libtouchable and are used only through its C
 // functions.

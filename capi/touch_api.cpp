@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // libtouchable: scenes (camera and coding), surfaces (frames in, a surface in time) and solvers (goals of
 // fingers in, forces out).
 #include "capi/api_common.hpp"

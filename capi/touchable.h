@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /**
  * @file touchable.h
  * Touch depth pictures and depth video from C and from languages that can call C.

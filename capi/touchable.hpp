@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // touchable.hpp - touchable.h for C++17: owning objects, and errors as exceptions. Header only. touchable.h
 // describes the functions' arguments, results, units and threads.
 #ifndef TOUCHABLE_HPP

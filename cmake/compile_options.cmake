@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Compile options of every target of this project.
 
 # Forces have the same bits with every compiler and optimisation level (docs/architecture.md, decision 3): no fused

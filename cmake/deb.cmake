@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # A Debian package of everything that is installed: `cmake --build build/release --target deb` (docs/install.md).
 
 set(CPACK_GENERATOR DEB)

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The Debian package of program and libraries: ./run deb (docs/install.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Installs the C libraries: shared with their soname, libtouchable also static, headers, CMake package, pkg-config.
 
 # Collects the static modules that a target links, directly or indirectly.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # OpenCV is used only by tests and benchmarks: its median is compared with ours, and a test reads camera files that it
 # writes. The target `touchable_opencv` always exists; it defines TOUCHABLE_HAS_OPENCV if OpenCV is found (Debian:
 # libopencv-imgproc-dev, which has no CMake package).

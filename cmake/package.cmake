@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The CMake package: `find_package(touchable)` defines touchable::solver, the solver's modules in C++ (docs/install.md),
 # and, if all parts are built, the C libraries (cmake/libraries.cmake), as separate targets that need nothing else.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Headers that many files include and that parse slowly: Clang's sanitized builds parse them once (compile_options.cmake).
 #include <algorithm>
 #include <array>

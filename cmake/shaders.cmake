@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Kernels: shaders/name.comp, which shares shaders/name.h with C++, becomes SPIR-V words in a header in the build
 # folder: #include "shaders/name.spv.h" defines touchable::name_spv. A name with an ending, for drawing, is the file
 # name: name.vert defines touchable::name_vert_spv.

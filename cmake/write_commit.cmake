@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Writes the header TO if changed: the commit of the sources in SOURCE, with "-dirty" if they differ from it.
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND git -C "${SOURCE}" describe --always --dirty --abbrev=10

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The last gate: every force passes it on its way to a device, after guard, control and ramps. It is one

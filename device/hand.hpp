@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Hands: sources of the fingers' goals. `make_hand` makes one from a description ("wander:speed=0.2",

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surface under a hand: its nearest point, its relief, and goals that do not fit it.
 #include <algorithm>
 #include <array>

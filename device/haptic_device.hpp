@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Force-feedback devices: `HapticDevice`, the interface with its safety contract, and three devices that need

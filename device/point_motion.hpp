@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Motions of one point, the same bits everywhere. HeldHandle: the end of a simulated device in a hand, a mass

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What lies between the solver's force and a device: the device's limits, ramps, damping, and the account of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The surface as the solver sees it: a pair of frames at a moment, without a copy.

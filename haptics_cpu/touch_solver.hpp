@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The solver of one tick: a goal in, a proxy on the surface and a force out (docs/solver.md). touch_step.hpp

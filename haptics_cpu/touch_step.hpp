@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A tick of touch: goals in, forces out. The entry point for offline runs and for programs that have their

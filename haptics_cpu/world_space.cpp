@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "haptics_cpu/world_space.hpp"
 
 #include <glm/geometric.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The surface of a HeightField in the space in which distances are measured: the world.

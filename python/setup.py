@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What pyproject.toml cannot say: the version, which the project's CMakeLists.txt has; the two shared libraries, which go into
 the wheel; and their C++ sources, which go into an sdist. The libraries are taken from the folder that TOUCHABLE_LIBRARIES
 names, and built where it names none."""

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The Python package with the libraries in it, for pip: ./run wheel (docs/python.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

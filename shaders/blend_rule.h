@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides where the mix of two frames' depths is drawn. Compiled as GLSL and as C++.
 //
 // If an edge has moved over a pixel, one frame has the foreground there, and the other the background.

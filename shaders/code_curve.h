@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // CodeCurve::at of engine/scene/scene.hpp; include after shaders/surface_codes.h.
 
 /// At most 32767. `code` must not be beyond `curve.last`, or the result means nothing.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Columns of the 3x3 windows of two rows, for GLSL.
 #ifndef TOUCHABLE_SHADERS_COLUMNS3_H
 #define TOUCHABLE_SHADERS_COLUMNS3_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Decides which triangles are not drawn. Compiled as GLSL and as C++: every painter cuts alike.
 //
 // q is 1 / planar depth of a corner, scene units; 0 stands for an invalid pixel, and a triangle with one is

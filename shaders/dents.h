@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a surface that gives way under fingers looks, for the shaders view_dent, their caller and the CPU's
 // twin. Compiled as GLSL and as C++ (with GLM). World axes, scene units.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Moves vertices at edges. Compiled as GLSL and as C++: every painter moves them alike.
 //
 // Where cut_rule.h leaves out triangles, surfaces end at pixels, which looks like a saw from the side. The

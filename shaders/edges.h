@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the kernels erode.comp and edges.comp, the shaders that draw from their output, and C++.
 //
 // A lane for each vertex erodes q (edge_rule.h); in the clip's own view it fills holes. Then, for turned views,

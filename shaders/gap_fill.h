@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fills the gaps that a turned view uncovers, and the holes of the clip's own. Compiled as GLSL and as C++:
 // every painter fills them alike.
 //

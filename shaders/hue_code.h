@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The hue of a colour as a whole number, for depth that is stored as hue. Compiled as GLSL and as C++.
 //
 // With M the greatest and m the least of the three bytes, and s their middle one, the position inside a

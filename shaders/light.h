@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the kernel light.comp and its caller. Compiled as GLSL and as C++.
 //
 // Turns q of every vertex and its colour into the colour that is drawn, lit by the normal of its

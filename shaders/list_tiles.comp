@@ -1,4 +1,5 @@
 #version 460
+// SPDX-License-Identifier: Apache-2.0
 #extension GL_GOOGLE_include_directive : require
 
 // Which tiles have triangles to draw -> lists of them. All lanes take equally many tiles, in order, and each

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lower median of 9 codes, some of them invalid, without a branch; for GLSL.
 //
 // Invalid codes count as least and greatest alternately, so that the middle of all is the lower median of the

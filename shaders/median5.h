@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lower median of 25 codes, some of them invalid, without a branch; for GLSL. Invalid codes take part as in
 // median3.h.
 #ifndef TOUCHABLE_SHADERS_MEDIAN5_H

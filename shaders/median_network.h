@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Medians of 9 and 25 codes from minima and maxima alone, without a branch, for GLSL and for C++: both run
 // the same text, which a test verifies. In C++ a Code is any type with `lesser` and `greater` declared before
 // this is included, such as vectors of codes.

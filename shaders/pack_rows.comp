@@ -1,4 +1,5 @@
 #version 460
+// SPDX-License-Identifier: Apache-2.0
 #extension GL_GOOGLE_include_directive : require
 
 // Codes in rows of whole texels -> rows without gaps, as in a SurfaceFrame: then the CPU reads them where

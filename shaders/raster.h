@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the kernels raster.comp and raster_large.comp and their callers. Compiled as GLSL and as C++.
 //
 // raster.comp draws a tile of 16x16 cells with a lane for each column of cells, which marches down, so that a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shared by raster.comp and raster_large.comp; GLSL alone.
 #ifndef TOUCHABLE_SHADERS_RASTER_COMMON_H
 #define TOUCHABLE_SHADERS_RASTER_COMMON_H

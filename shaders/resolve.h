@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the kernel resolve.comp and its caller. Compiled as GLSL and as C++.
 //
 // Converts packed pixels (shaders/raster.h) to colours and z, as they are copied into images; empty pixels

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Words mixed by a kernel and by C++: what `touchable check` compares, and times. Compiled as GLSL and as
 // C++.
 // Threads: any; nothing here keeps state.

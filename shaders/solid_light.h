@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How the solids that stand for fingers look, in pictures drawn by the CPU and on a GPU. Compiled as GLSL and
 // as C++ (with GLM). Colours are light, 0 to 1 a channel; directions are unit vectors, world axes.
 // Threads: any; nothing here keeps state.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The march along a strip, for GLSL: a lane holds two rows and goes along them texel by texel. Columns of the
 // window are ranked once and rolled on, and no value is loaded twice by a lane. This suits a software Vulkan,
 // whose only fast loads are texels and whose slowest stores are single codes; it does not branch, so invalid

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Shared by C++ and the kernels that turn stored values into filtered codes. Planes are rows of texels of 16
 // bytes, so of 8 codes or 16 stored bytes; bytes beyond the picture's width mean nothing.
 // Threads: any; nothing here keeps state.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Light on the surface, as light.comp and its twin (player/draw/drawn_surface.cpp) compute it. Compiled as
 // GLSL and as C++ (with GLM). Colours: 0 to 255 a channel, as brightness.
 // Threads: any; nothing here keeps state.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The output of decoding and medians beside codes, for GLSL: validity, and parts of tile bounds.
 #ifndef TOUCHABLE_SHADERS_SURFACE_OUTPUT_H
 #define TOUCHABLE_SHADERS_SURFACE_OUTPUT_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Texels of eight neighbouring codes of a row, for GLSL.
 #ifndef TOUCHABLE_SHADERS_TEXELS_H
 #define TOUCHABLE_SHADERS_TEXELS_H

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the kernels cut_tiles.comp and list_tiles.comp, those that draw from their lists, and C++.
 //
 // cut_tiles.comp tells for each tile of 16x16 cells, with a lane each, whether shaders/cut_rule.h keeps all

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the kernel unproject.comp and its caller. Compiled as GLSL and as C++.
 //
 // Converts filtered codes of a pair of frames to q = 1 / planar depth as drawn at a moment between them

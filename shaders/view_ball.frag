@@ -1,4 +1,5 @@
 #version 460
+// SPDX-License-Identifier: Apache-2.0
 #extension GL_GOOGLE_include_directive : require
 
 // Light and z of a ball where the line of sight meets it, fading at its silhouette.

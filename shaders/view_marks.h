@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the shaders view_ball, view_frustum, view_thread and view_shadow and their caller: fingers,
 // drawn by triangle hardware. GLSL and C++ (with GLM). World axes and scene units; colours are light.
 //

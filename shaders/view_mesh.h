@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Interface of the shaders view_mesh.vert and view_mesh.frag and their caller. Compiled as GLSL and as C++.
 //
 // An instance is a tile of 16x16 cells. If no triangle of it is cut, its 17x17 vertices are shared by the

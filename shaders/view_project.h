@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Projects a vertex of the lattice to the screen, in one order of float operations, so that painters agree on
 // its place. Compiled as GLSL and as C++ (with GLM).
 // Threads: any; nothing here keeps state.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The corner of a square for each of the six vertices of two triangles. GLSL alone.
 #ifndef TOUCHABLE_SHADERS_VIEW_QUAD_H
 #define TOUCHABLE_SHADERS_VIEW_QUAD_H

@@ -1,4 +1,5 @@
 #version 460
+// SPDX-License-Identifier: Apache-2.0
 
 // One triangle over the whole picture, as far away as can be.
 

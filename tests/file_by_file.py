@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Compiles each file of the project by itself, without making code, which takes a third of the time: whether it includes
 what it uses, which a module that is compiled as one hides. Warnings are errors."""
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What a test runs under: sanitizers, a disk that is full, memory that is short or gone; and the memory that

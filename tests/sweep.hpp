@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What goes over many cases: numbers drawn at random, and the places of a long sweep.

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The tests: ./run test [--ci | --all]. CONTRIBUTING.md says what each of them runs; CMakePresets.json has the presets.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

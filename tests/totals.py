@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Adds up tests: totals.py FOLDER SECONDS TEST_PRESET...
 
 Of each preset, FOLDER has CTest's results in PRESET.xml (JUnit), and in PRESET.built the seconds that building took, or "failed". A

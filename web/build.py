@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Builds the page: no packages, no network.
 
     web/build.py page OUT [engine.wasm]                      # a folder for any static host

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A packed clip, read by parts: clip.json, and of each plane a file of packets (docs/web.md).
 //
 // A PackedClip gives the packets of a frame, inflated. It fetches runs of packets by Range, and takes all of a file

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws a clip's surface with WebGL2, and the fingers above it on a 2D canvas.
 //
 // `SurfacePicture` keeps the newest planes and draws them; `paint_fingers` draws fingers as the window does

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The engine of the page: surface, touch solver, pointer, view and sound of one clip, for one worker of a
 // browser.
 //

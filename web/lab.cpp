@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lab hour of the page (lab.html): the experiments of `touchable-bench paper`, by its own code, in the
 // worker of a browser.
 //

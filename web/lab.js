@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The lab hour: three experiments, each a form, a plot, a table and a CSV file. All numbers come from lab.cpp in a
 // worker; this module chooses the settings, and compares with the program's own figures.
 

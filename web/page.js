@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The page of touchable: it connects the worker, which holds the clip, the solver and the view, with pointer, keys,
 // gamepad, picture and sound. The messages between both are listed by `work` in worker.js and `answers` here.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a grey PNG of 8 or 16 bits without the browser's own decoder, which keeps only 8 bits.
 //
 //     const {width, height, codes} = await unpack_png(bytes);   // codes: Uint8Array or Uint16Array

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Plays what the fingers hear, and makes a gamepad or a telephone tremble.
 //
 //     const sound = new ContactSound();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A queue of stereo samples on the audio thread. It begins when 30 ms wait, since pieces come in bursts, and skips
 // ahead when more than 150 ms do. An empty queue fades out: a sudden end would click.
 

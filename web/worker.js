@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The worker of the page: it fetches and inflates pictures, gives them to the engine, runs the ticks that have
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.

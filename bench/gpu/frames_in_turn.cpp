@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "bench/gpu/frames_in_turn.hpp"
 
 #include <algorithm>

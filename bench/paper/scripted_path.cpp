@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "bench/paper/scripted_path.hpp"
 
 #include "engine/base/same_bits.hpp"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is best of what the records compare: ways to do the same thing, told from each other by a part of their names."""
 
 import re

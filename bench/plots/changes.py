@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What got worse and better from older records to newer ones, as far as the change is more than noise."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What filters leave of noise against the least relief they keep: from `touchable-bench touch --json`."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Records of touchable-bench, and how what is drawn of them is saved."""
 
 import io

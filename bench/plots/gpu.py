@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a GPU, its builder and three ways to touch cost: from `touchable-bench gpu --json`."""
 
 import html

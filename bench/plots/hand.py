@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a hand just notices of a force's direction, as the records state it."""
 
 from matplotlib.lines import Line2D

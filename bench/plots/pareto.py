@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Run time against error of every option of the touch solver: from `touchable-bench touch --json`."""
 
 import re

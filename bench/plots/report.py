@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One page of all records, without a network or a script: what is best, what got worse, and each figure with its command."""
 
 import html

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Power spectral density of the force, filter by filter, as the paper's Fig. 19: from `touchable-bench paper --json`."""
 
 import re

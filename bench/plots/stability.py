@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Up to which stiffness a closed loop is stable, beside theory: from `touchable-bench loop --json`."""
 
 import re

@@ -1,4 +1,5 @@
 #version 460
+// SPDX-License-Identifier: Apache-2.0
 
 // Copies a buffer, 16 bytes a lane: measures the largest bandwidth of device memory.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Known hardware, and which of it is connected: read from /sys, /proc and /dev without opening a device.
 #include <algorithm>
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Haptic devices: made from the text after --device, found where they are plugged in, and measured.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Interfaces of a backend: the driver, the data between it and DrivenDevice, and the byte transport below it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Parts of device measurement (device_catalog.hpp): figures of times and positions, and a spring trial.

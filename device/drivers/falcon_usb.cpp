@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Falcon below its packets: its USB port, the serial converter in it, and how its firmware is loaded.
 #include <fcntl.h>
 #include <libusb.h>

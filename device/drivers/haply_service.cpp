@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "device/drivers/inverse3_device.hpp"
 
 #include <libwebsockets.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // HID devices: their nodes in Linux, and their reports through hidapi.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Haply's Inverse3: the messages and the service of its makers, up to `--device inverse3`.

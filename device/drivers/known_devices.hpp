@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Tables of devices: the kinds that can be driven, each with the function that makes its driver; the hardware

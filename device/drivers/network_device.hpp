@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A network hand (docs/devices.md): any program as a device, from its datagrams up to `--device

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // 3Dconnexion's pucks, from their reports up to `--device spacemouse`.

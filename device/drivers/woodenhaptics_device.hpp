@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // WoodenHaptics and Polhem: their parameter files, linkage and reports, up to `--device woodenhaptics:`.

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """A small hand: it pokes at what is in front of it, and says what it felt.
    touchable touch CLIP --live --device network --force-on --max-force 1 --seconds 5
    python3 network_hand.py [SECONDS [PORT]]"""

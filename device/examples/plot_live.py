@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Plots forces while they are felt, from a pipe (needs python3-matplotlib):
    touchable touch CLIP --live --device network --device-log - | python3 plot_live.py [PICTURE.png]
 The last ten seconds are shown until the input ends. With PICTURE they are saved there then, and no window is opened."""

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Makes the pictures of README.md and docs/play.md anew, by the program itself, without a display:
 #     docs/pictures/make.sh [build/release/player/touchable [OLD_PROGRAM]]
 # With an older program also views.webp: what both draw, the older above. Needs Blender and python3-pil, which

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A clip whose depth holes are filled with what other frames saw there.
 //
 // While the camera rests (CameraRest), a BackgroundModel gathers the background of each pixel;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/authoring/materials.hpp"
 
 #include "engine/authoring/segment_parts.hpp"

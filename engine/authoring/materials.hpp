@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Materials of a recording's segments: haptic pictures for a recording that has none.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A recording by itself, without its segments: what would feel wrong, and what is missing.

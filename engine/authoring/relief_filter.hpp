@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The relief of a clip's pictures, step by step: details by their size (DifferenceOfGaussians), a frame's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Shared by the sources of segments and of their materials: cuts, a segment's touch, places in JSON.

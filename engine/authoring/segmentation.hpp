@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The surfaces of a recording, told apart by colour and depth and followed through time.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What a hand just notices: errors of a force are told as shares of these. Divide an angle by `seen_degrees`

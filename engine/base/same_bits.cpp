@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #define XXH_INLINE_ALL
 #define XXH_NO_XXH3  // XXH64 alone; XXH3 of some versions takes WebAssembly for NEON
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Arithmetic and random numbers with the same bits on every CPU, compiler and C library, and the hash that

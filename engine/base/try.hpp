@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Pass an error on to the caller, in one line, in functions that return a Result themselves:

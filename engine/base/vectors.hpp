@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Inner loops over 16-bit values, written once with the vectors of GCC and Clang and compiled for each vector

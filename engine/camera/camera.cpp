@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Names, lists and opens cameras; one camera for several runs.
 #include "engine/camera/camera.hpp"
 

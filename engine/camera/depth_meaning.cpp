@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a camera's depth means: by what is known of it and its first pictures, or by a scene file.
 #include "engine/camera/v4l2_camera.hpp"
 

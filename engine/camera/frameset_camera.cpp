@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Programs that send framesets: the bytes of a command or a connection, the framesets found in them, and
 // these as a clip.
 #include "engine/camera/frameset_camera.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Programs that send framesets (docs/streaming.md): depth and colour of one moment, with a header that says

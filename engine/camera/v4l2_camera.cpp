@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cameras of V4L2 as clips: depth, and the colour of a camera beside it.
 #include "engine/camera/v4l2_camera.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A camera of V4L2 as a live clip: open_v4l2_camera opens the node of depth that a V4l2Choice names, and the

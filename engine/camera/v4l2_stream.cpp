@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Nodes of V4L2: which there are, what they offer, and a stream of pictures from one.
 #include "engine/camera/v4l2_stream.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Nodes of V4L2 (Linux's video devices), and a stream of pictures from one.

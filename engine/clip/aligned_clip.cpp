@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Brings depth to one scale for all frames: detects pumping, maps codes by the lines of ShotAlignment, and
 // measures what a resting finger feels of it before and after.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Readers' notes and seeking; planes: found by role, checked, brought to a scene's form and size; frames at
 // another size; what writers check.
 #include "engine/clip/clip.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A clip, frame by frame: the interface of every source of frames and every file.

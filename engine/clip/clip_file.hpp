@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Clips in files of our own formats, Matroska and MP4, and films of a window: opened and written.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads our clips from files of any container: decodes tracks in parallel, checks frames against their times
 // and the file's stated length, and seeks by the file's index as far as it leads.
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The common part of our clips' writers, for any container; and files that appear together.
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Metadata of our clips, whatever the container: tags, additions to blocks, frames' times, attached texts.
 #include "engine/clip/containers.hpp"
 

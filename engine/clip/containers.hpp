@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What a clip's file has beside its tracks' pictures (docs/codecs.md), read from any container and written

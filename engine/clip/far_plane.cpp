@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Prefetched frames, and the far plane estimated from them.
 #include <cstdlib>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Films of a window: its pictures as H.264, and its sound as AAC or FLAC; or numbered PNG files.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Live sources: their common rules, and recordings that behave like a camera.
 
 #include "engine/base/same_bits.hpp"

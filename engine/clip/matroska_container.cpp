@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where Matroska has a clip's metadata.
 #include <algorithm>
 #include <cmath>

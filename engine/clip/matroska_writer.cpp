@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes clips in Matroska: each track in the coding that suits its first pictures, unchanged pictures stored
 // once, and tracks copied from another clip.
 #include <algorithm>

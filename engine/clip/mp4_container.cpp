@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reads a clip's metadata from MP4: an MPEG-4 scene, tags, and names of tracks.
 #include <algorithm>
 #include <cstring>

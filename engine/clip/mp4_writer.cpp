@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips in MP4: a track of H.264 for each plane, and the MPEG-4 scene, or fragments with tags alone.
 #include <array>
 

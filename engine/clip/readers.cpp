@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Readers around a clip that change which frames, pixels or planes it has: a part of it, and planes that are
 // the same under every frame.
 #include "engine/clip/readers.hpp"

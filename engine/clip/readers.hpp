@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Building blocks of clip readers: wrapping readers, and the parts of a live reader.

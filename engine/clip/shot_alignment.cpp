@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Frames as cells, robust lines through pairs of their depths, and from these one scale for each shot.
 #include "engine/clip/shot_alignment.hpp"
 

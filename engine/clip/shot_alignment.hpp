@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Depth whose scale changes from frame to frame, brought to one scale: for each frame the line that does so.

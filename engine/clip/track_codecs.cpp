@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which codecs are read, how our clips set FFmpeg's encoders, and whether another program's track keeps every
 // value.
 #include "engine/clip/track_codecs.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The codecs under TrackEncoder and TrackDecoder: one of our own, and FFmpeg's as our clips set them.

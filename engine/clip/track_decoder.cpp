@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Packets into pictures, and pictures into planes: checksums are verified, and codings undone.
 #include <algorithm>
 #include <thread>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Planes into packets: samples laid out as each codec takes them.
 #include <algorithm>
 #include <cstring>

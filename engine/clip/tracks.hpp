@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Tracks of pictures: those of one plane, encoded and decoded packet by packet; and the first track of any

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The track of pictures of any video file: how it is chosen, its frames, and their times and rate.
 #include <algorithm>
 #include <cmath>

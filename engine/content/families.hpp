@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The makers behind make_scene, one for each family of scenes, and their shared helpers: cameras, planes made

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Globes: the bare sphere, the procedural planet on it, and one that is made of maps.
 #include <algorithm>
 #include <array>

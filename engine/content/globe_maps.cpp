@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The check of a globe's maps, and the search for their shore.
 #include "engine/content/globe_maps.hpp"
 

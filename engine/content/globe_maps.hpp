@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Maps of a real globe from which make_scene makes a touchable one (SceneOptions::maps): colour, elevation, a

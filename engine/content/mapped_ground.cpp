@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A globe of maps: lakes, shape, colours and touch, from the maps' pixels.
 #include "engine/content/mapped_ground.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Parts of a globe of maps: maps interpolated between their pixels, values on a sphere in the grids of a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scenes by name, what their families share, and their frames.
 #include "engine/content/scenes.hpp"
 

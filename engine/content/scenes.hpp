@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Generated scenes, most of whose surfaces are known in closed form: globes, height fields, primitives, noise

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Height fields, primitives and noise.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Recordings of an Azure Kinect: their calibration, and the scene made of it. The pictures are read as those
 // of any video.
 

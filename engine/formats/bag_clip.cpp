@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Recordings of ROS as clips. Their topics are messages of connections (BagFile). One topic of pictures is
 // depth, another may be its colour; cameras, poses and units are in topics beside them.
 

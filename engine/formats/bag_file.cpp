@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Unpacks chunks, and reads recordings of ROS 1: records of fields and data, which an index at the end lists.
 
 #include "engine/formats/bag_file.hpp"

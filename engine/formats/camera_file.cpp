@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cameras in other programs' files. JSON, XML and YAML are all read as JSON, in which a camera is any object
 // with focal lengths or a matrix under the names that programs use; Middlebury's, COLMAP's and ARKitScenes'
 // texts have readers of their own. Declared in source_description.hpp and camera_sidecar.hpp.

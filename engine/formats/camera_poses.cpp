@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The camera's poses, from files beside pictures: lists with times (TUM RGB-D), matrices of frames (Redwood,
 // Open3D) and Record3D's metadata.json. Declared in camera_sidecar.hpp.
 

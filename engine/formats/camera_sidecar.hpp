@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Reads from files beside pictures: the camera's intrinsics, those of each frame, its poses, and where

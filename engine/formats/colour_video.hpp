@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Finds colour videos by their names: beside a depth video (walk_rgb.avi beside walk_depth.mkv) and beside

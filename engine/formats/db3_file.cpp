@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A database that reads nothing but the bytes it is given (SqliteBytes), and the recording in it.
 
 #include "engine/formats/bag_file.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Phones' photographs with depth: their orientation, EXIF and XMP, the clip that is made of one

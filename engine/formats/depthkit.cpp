@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Depthkit's metadata (DepthkitMetadata), and the video that they describe.
 
 #include "engine/formats/formats_read.hpp"

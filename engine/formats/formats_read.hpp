@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The readers of formats. open_clip.cpp has the table of formats and the stages that make a file a clip. A

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Writers of the formats that other programs read, besides our own clips (engine/clip): pictures in a folder,

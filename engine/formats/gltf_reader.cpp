@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A glTF file of version 2, its haptic material, and the clip in its textures. All functions before read_gltf
 // may throw: a checked_json::Refusal, or the Error of a file that the glTF names.
 

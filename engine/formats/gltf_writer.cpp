@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Programs without video support draw the scene as a still mesh (FallbackMesh). Its video, its haptic
 // material and its scene file are in extensions and "extras", which programs may ignore (GltfScene).
 

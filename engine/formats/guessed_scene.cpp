@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Guesses the scene of depth pictures without a scene file. Stated values (SourceDescription) are kept; the
 // rest comes from files beside the pictures and from their names (DepthEvidence), and from their values
 // (guess_values). Each guess is a remark of the scene (SceneDraft).

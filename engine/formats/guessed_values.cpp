@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Guesses what depth's values mean: as stated, by preset, by names and files, by the numbers themselves.
 
 #include <cmath>

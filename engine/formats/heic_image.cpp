@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // HEIC, HEIF and AVIF photographs: libheif decodes them (HeicImage); what it hides or mishandles is read from
 // the file's boxes here.
 

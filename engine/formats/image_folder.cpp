@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Folders of pictures: read as clips (FolderPictures), and written (PictureWriter), first into a hidden
 // folder beside their place.
 

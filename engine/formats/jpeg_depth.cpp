@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JPEG photographs with a depth map: their segments, their XMP, the map in it or behind the picture
 // (JpegDepth).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // LeRobot's depth: its codes, the description of its videos (info.json), and the writer of such a video.
 
 #include "engine/formats/formats_read.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Recordings in MCAP: reads records in the file and in its chunks, by the chunks' indices if these are right.
 
 #include "engine/formats/bag_file.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A static MPEG-4 scene in one MP4 file, whose planes are tracks of one picture each: the reader, then the
 // writer.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a path becomes a ClipReader: by these stages, in this file's order. No stage calls an earlier one.
 //
 //   find      what a path and a scene file lead to: a file, or a folder of pictures (Candidate). Scene files

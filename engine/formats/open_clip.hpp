@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Opens clips of every kind: our own in Matroska and MP4, glTF, texts of MPEG-4 scenes, recordings of cameras

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Organised point clouds, PCD and PLY: one point for each pixel of a camera, row by row. Their z is a depth

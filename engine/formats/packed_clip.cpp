@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips packed for pages in browsers (docs/web.md): samples as RankEncoder codes them, under deflate, which a
 // browser inflates and checks by itself; a picture is stored once, however many frames show it. Files are
 // named by what they hold, so that neither a cache nor a page takes a part of one clip for that of another.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Chooses which pictures are depth, and which are colour, by their names and by what they hold.
 
 #include <unistd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The files of a folder of pictures: each plane's by a scene's patterns and lists, with the frame and time of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Messages of ROS 1 and ROS 2, and the pictures in them.
 
 #include "engine/formats/ros_messages.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Messages in the serialisations of ROS 1 and of ROS 2 (CDR). Texts and data refer to the message's bytes.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What guesses of a scene are made from (guessed_scene.cpp): evidence of names and files, and the draft that

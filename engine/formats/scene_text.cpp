@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Texts of MPEG-4 scenes, and the pictures or videos that they name, as clips (SceneTextClip).
 
 #include "engine/formats/formats_read.hpp"

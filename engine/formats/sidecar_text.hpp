@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Plain texts beside pictures, as JSON: YAML, tables with a head line (Virtual KITTI's intrinsic.txt,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/formats/source_description.hpp"
 
 #include "engine/base/same_bits.hpp"

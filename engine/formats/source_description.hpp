@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What is known of depth pictures, videos and recordings that have no scene file: a SourceDescription. A

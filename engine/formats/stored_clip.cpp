@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/formats/stored_clip.hpp"
 
 #include "engine/base/threads.hpp"

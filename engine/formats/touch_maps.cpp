@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Touch in pictures of other programs: links to them, layers of one property each, joined into one plane,
 // maps of a whole clip, videos of touch (TouchPictures).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Touch as other programs describe it: X3D surfaces and glTF haptic materials, each of whose properties is a

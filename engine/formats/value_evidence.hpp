@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Finds out from a depth picture's numbers how they were stored: their unit, bits in another order, a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // VideoGuess guesses the scene of a video without a scene file by its first picture; VideoPictures reads what
 // a scene's VideoSource names.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Surfaces of touch in X3D: H3DAPI's HapticTexturesSurface (SurfaceReader).
 
 #include "engine/formats/touch_maps.hpp"

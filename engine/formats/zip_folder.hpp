@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A ZIP archive of pictures is unpacked into a private temporary folder (ScratchFolder), which is opened as a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Work on a GPU: its memory, its programs, and commands on one timeline.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Vulkan's devices: a list, what each can do, and the one that is used.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The kernels of the surface, and its Vulkan builder with a choice of plan (tests, benchmarks).

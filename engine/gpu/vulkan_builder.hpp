@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The builder of surfaces by compute shaders: the same bits as on the CPU

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The Vulkan instance, and the requirements by which gpu_device.cpp judges and opens devices.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/mpeg4/bifs.hpp"
 
 #include <algorithm>

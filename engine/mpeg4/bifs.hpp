@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // BIFS: the binary form of an MPEG-4 scene (ISO/IEC 14496-11), bit by bit, for the nodes that node_types.hpp

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The boxes of an MP4 file that FFmpeg does not show or write.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The MPEG-4 scene of a touchable clip, and its text (docs/codecs.md).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // An MPEG-4 scene (ISO/IEC 14496-11), the same for its text and its binary form (BIFS): nodes with fields,

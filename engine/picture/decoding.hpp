@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // FFmpeg's decoded pictures as samples: exact if a format is grey or RGB, otherwise converted.

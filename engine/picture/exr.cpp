@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <openexr.h>
 #include <bit>
 #include <cstdlib>

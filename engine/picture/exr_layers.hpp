@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Roles of an OpenEXR file's channels, by their names, and linear light as samples.

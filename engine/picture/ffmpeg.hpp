@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // FFmpeg's C API with owners, the files that it reads and writes, and base64 by it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures in HDF5 files, which MATLAB's 7.3 files are, too.
 //
 // HDF5's library is known to crash on hostile files, so this program does not link it: h5ls and h5dump

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/picture/number_pictures.hpp"
 
 #include <tiffio.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Pictures that are arrays of numbers: how their numbers are held in a file, and their readers (PGM, PPM,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/picture/zip_archive.hpp"
 
 #include <sys/stat.h>

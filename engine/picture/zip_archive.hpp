@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // ZIP archives, read by libzip: their members, and the bytes of each, unpacked as they are read.

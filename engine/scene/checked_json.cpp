@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/scene/checked_json.hpp"
 
 #include <algorithm>

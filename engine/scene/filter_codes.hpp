@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The codes that filters work on, and each filter's settings in terms of them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table of filter settings, and the conversion of a setting's words and numbers.
 #include "engine/base/words.hpp"
 #include "engine/scene/scene.hpp"

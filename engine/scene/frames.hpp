@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The frames of a clip: as they are stored, and as the surface that is touched.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Page-aligned memory for planes, which a GPU can read in place, from one pool of the process.

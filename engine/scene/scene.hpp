@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What a clip means: a SceneDescription is what a scene file, a format or a guess states about it, and may

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scene as a list of named numbers: what forces and pictures depend on, for a page in a browser, which has no
 // reader of scene files.
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // HTTP Live Streaming (RFC 8216): playlists, both those that this program writes and those of other senders

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Reading HTTP Live Streaming. HlsInput merges two renditions, touch and colour, by time. Each is read by an
 // HlsLevels, which changes between the full and the low level as LevelChoice says; an HlsRendition reads one
 // media playlist of a level and its segments. FFmpeg parses these, but fetches nothing itself: its requests

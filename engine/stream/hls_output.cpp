@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // HlsWriter: a stream as a folder of segments and playlists. HlsFolder names its files, writes each
 // atomically and deletes old ones; an HlsRenditionOutput encodes a rendition; FolderWriter cuts segments, and
 // publishes and shortens the playlists.

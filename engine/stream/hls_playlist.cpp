@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Playlists of HTTP Live Streaming: those that this program writes, and those of any sender, which are read
 // and checked.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/stream/labelled_codec.hpp"
 
 #include "engine/base/same_bits.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Framesets as H.264 tracks with labelled pictures: the message in a picture, the encoder and the decoder.

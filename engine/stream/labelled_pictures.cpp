@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Labelled pictures (LabelledDecoder) from MPEG-TS or HLS.
 
 #include <algorithm>

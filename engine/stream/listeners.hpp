@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Shared by the servers of a stream (TCP and HTTP: tcp_server.cpp; SRT: srt_output.cpp): HTTP requests of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A stream as a live source: a thread receives framesets, and the reader returns each when it is due.
 
 #include <deque>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures from a stream in our clips' own form, Matroska: MatroskaGate limits what FFmpeg's demuxer reads,
 // StreamTrack decodes the packets of one plane.
 

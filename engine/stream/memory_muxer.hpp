@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Puts a stream into containers (stream_muxers.cpp, hls_output.cpp): FFmpeg's muxers, writing to memory, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // From pictures to framesets: FramesetAssembler puts them together, and StreamReceiver is one connection to a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Receiving: streams as clips (open_stream_clip), or live, as a camera (open_live_stream). Both receive TCP,

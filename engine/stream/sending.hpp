@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Sending: a clip, or a camera, as a stream for any number of receivers.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // SRT by libsrt: the settings of a URL, the socket, libsrt's log, and the bytes of a received stream.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Streams sent by SRT: listeners, each at the pace of its link, and the thread that takes callers, or calls.
 
 #include "engine/base/threads.hpp"

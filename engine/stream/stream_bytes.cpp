@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sources of a received stream's bytes: FFmpeg's protocols, pipes and files (StreamBytes; SRT: srt.cpp), and
 // files on a server that are read part by part (open_http).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The bytes of a received stream (StreamBytes: stream_bytes.cpp; SRT: srt.cpp), and the deadlines of its

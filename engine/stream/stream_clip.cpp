@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A stream as a clip that cannot go back.
 
 #include "engine/base/try.hpp"

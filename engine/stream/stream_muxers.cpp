@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The forms of a stream in one container: Matroska, for our own programs, and MPEG-TS, for stock tools.
 
 #include <algorithm>

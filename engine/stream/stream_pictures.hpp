@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Reading a stream's pictures from its container: Matroska (matroska_pictures.cpp), MPEG-TS and HTTP Live

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/stream/stream_url.hpp"
 
 #include <netdb.h>

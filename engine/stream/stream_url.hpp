@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Names of streams. A stream is named by a URL: tcp://, http(s)://, srt://, udp://, or pipe: for a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // StreamServer: one thread that polls the sockets it listens at ("doors") and all connections. It never waits
 // for a client: bytes that a socket does not take at once are sent when poll reports room.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rows of codes and validity for vector code, and the stack of a plan's filters.
 #include "engine/surface/code_rows.hpp"
 

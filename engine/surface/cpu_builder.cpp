@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fast builder: rows on several threads, vectorised filters, and partial builds of frames that changed
 // little.
 #include <deque>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The measurements of the first frames, put together, and the filters chosen by them.
 #include "engine/surface/depth_estimator.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What the first frames of a recording show of the camera's depth, and the filters that suit it.

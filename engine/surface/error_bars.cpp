@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How wrong the direction and the size of a force on a frame's surface may be: 95 of 100 are not more wrong.
 //
 // A camera's errors show on its filtered surface. Noise scatters the faces of a block of 5x5; where filters

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Statistics of levels and contours.
 #include "engine/surface/estimators.hpp"
 

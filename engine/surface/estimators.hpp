@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What pictures of depth show of their camera: levels of the codes, terraces and their widths, noise, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Filling holes from their rims, and pulling pixels between two surfaces to one of them.
 #include "engine/surface/flying_pixels.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Frames compared block by block.
 #include "engine/surface/frame_changes.hpp"
 

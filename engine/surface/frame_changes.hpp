@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Which blocks of a frame differ from the frame before, so that the rest is not built again

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The paper's builder: filters a pixel when it is read.
 #include <algorithm>
 #include <array>

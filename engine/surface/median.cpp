@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Medians of 3x3 and 5x5 pixels by networks, vectorised.
 #include "engine/surface/median.hpp"
 

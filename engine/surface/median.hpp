@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Medians of windows by networks of `lesser` and `greater` (shaders/median_network.h), for single codes and

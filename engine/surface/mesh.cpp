@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A frame's surface as triangles, and their PLY file.
 
 #include <bit>

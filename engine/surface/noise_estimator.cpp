@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Statistics of noise from frame to frame and from pixel to pixel, of holes, and of pixels between surfaces.
 #include <algorithm>
 #include <cmath>

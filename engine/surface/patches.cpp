@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of a frame that are built again, and the bounds of tiles.
 #include "engine/surface/patches.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The plain builder, against which the others are tested: docs/conventions.md, step by step, unoptimised.
 #include <algorithm>
 #include <optional>

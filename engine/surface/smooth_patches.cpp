@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Smooth places of a recording, and filters tried on them.
 #include <cmath>
 #include <glm/geometric.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The plan of a scene's filters, checks of a raw frame, the fallback from one builder to another, and a
 // frame's depths.
 #include "engine/surface/surface_builder.hpp"

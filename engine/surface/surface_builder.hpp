@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A RawFrame becomes a SurfaceFrame: decoded, filtered, bounded, in integers that are the same for every

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Noise averaged from frame to frame, vectorised.
 #include <optional>
 #include <vector>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Terrace removal in passes, on whole rows and on patches.
 #include "engine/surface/terrace_filter.hpp"
 

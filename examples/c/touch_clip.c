@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Touches a clip with goals of a file, and prints the hash of the forces: that which the program prints for them.
  *     touchable touch CLIP --forces forces.csv
  *     cc touch_clip.c $(pkg-config --cflags --libs touchable-media) && ./a.out CLIP forces.csv                     */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* A finger strokes a hill: an array of depth, a camera, 2000 ticks of a millisecond each.
  *     cc touch_hill.c $(pkg-config --cflags --libs touchable) -lm && ./a.out                                      */
 #include <math.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Your own device: a loop of 1 kHz that reads where the hand is and sends it the force. Replace OwnDevice by
 // yours; this one is a handle that is pushed down, which the surface holds up.
 //     c++ -std=c++17 own_device.cpp $(pkg-config --cflags --libs touchable) -o own_device && ./own_device

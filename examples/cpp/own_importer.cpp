@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Your own importer: a file of another program becomes a clip that touchable opens. Here: raw depth of a
 // camera, 16 bits little endian in millimetres, one frame after the other, with a confidence of 8 bits behind
 // each frame.

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """A loop at 1 kHz: a device is held, its place becomes the goal, and the force goes back to it.
 
     device_loop.py                 3 s of virtual time: as fast as it goes, the same forces each time

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Quality, filters, forces and their error bars of a folder of recordings, one by one on many processes or machines.
 
     many_recordings.py FOLDER --out DIR                                this machine, a process for each core

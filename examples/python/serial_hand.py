@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """A board at a serial port is the hand. It sends 1000 lines a second, "x y z buttons" (metres to the right, up and
 towards the person; a number with a bit for each button), and gets lines "fx fy fz" (newtons). If no line came for
 20 ms, it has to let go of the handle by itself.

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Touch in a robot simulator: arrays in, arrays out, once a step of the simulation.
 
 A simulator knows places of fingertips, (hands, fingers, 3), 60 times a second. HapticFeedback gives it a vector for each

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """Your own depth array, touched: a finger strokes over a hill, and its forces are drawn. touch_array.py [PICTURE.png]"""
 import sys
 import numpy, touchable

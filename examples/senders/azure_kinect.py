@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Azure Kinect (and Orbbec's Femto with Microsoft's interface), by pyk4a: depth, and colour brought onto its
 pixels. What its depth lens bends is not straightened.
 touchable play --camera "pipe:python3 azure_kinect.py" """

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes framesets for touchable touch|play --camera "pipe:python3 SENDER.py" (docs/streaming.md).
 Whatever else a sender says goes to standard error: standard output has the framesets."""
 import signal, struct, sys, zlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Luxonis OAK-D, by depthai 2: depth of the two grey cameras, as the right one sees it.
 touchable play --camera "pipe:python3 oak.py" """
 import depthai as dai

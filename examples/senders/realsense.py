@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Intel RealSense, by pyrealsense2: depth, and colour brought onto its pixels.
 touchable play --camera "pipe:python3 realsense.py [WIDTH HEIGHT FPS]" """
 import sys

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Any camera that ROS 2 has: depth of 16 bits (16UC1, millimetres) and its camera_info.
 touchable play --camera "pipe:python3 ros2.py [DEPTH_TOPIC INFO_TOPIC]" """
 import sys

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Means per condition and paired differences of a study's results (docs/exhibit.md).
 
     means.py RESULTS_FOLDER

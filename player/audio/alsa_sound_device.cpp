@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/audio/heard_sound.hpp"
 
 #ifdef TOUCHABLE_HAS_ALSA

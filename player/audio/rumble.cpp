@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/audio/window_sound.hpp"
 
 #include "engine/base/threads.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Commands that tell what this machine has: its speed, and the cameras and haptic devices that are plugged
 // in.
 #include "player/commands/commands.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/commands/reports.hpp"
 
 #include "engine/base/hand_thresholds.hpp"

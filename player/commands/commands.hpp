@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The subcommands of the program `touchable`. Each add_*_command adds the subcommand of its name to `app`.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/commands/convert_command.hpp"
 
 #include <iostream>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Writing clips: `convert`, and the commands that change a clip before they write it (relief, materials).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `touchable formats`: sources of depth, what to type for each, and the kinds of files. Each row of `rows` is
 // a row of the table in docs/formats.md; tests/import/sources_test.cpp opens each source.
 #include <CLI/CLI.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The text of --help. Options are listed under topics, which are their CLI11 groups ("Camera"). A command
 // with many options shows the common ones, two examples and the names of its topics; `--help TOPIC` and
 // `--help-all` show the rest. Manual pages and completion are made from the same options (`option_table`).

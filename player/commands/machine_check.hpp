@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Measurements of `touchable check`: the machine's CPU, timers, codecs and Vulkan devices (machine facts),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/commands/option_types.hpp"
 
 #include <sys/stat.h>

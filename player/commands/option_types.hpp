@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Kinds of options: numbers in a range, words of a list, sizes, files; and a command's output files

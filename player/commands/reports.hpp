@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What `info` tells of a clip, and `touch` of a run: facts and findings, as words and as JSON.

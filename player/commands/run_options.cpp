@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/commands/run_options.hpp"
 
 #include <glm/matrix.hpp>

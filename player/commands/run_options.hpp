@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Options of commands that compute a surface, touch it or draw it: the builder, devices held by the user,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <termios.h>
 #include <CLI/CLI.hpp>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Surfaces painted with the CPU's vectors and threads: from frames to a lattice (CpuLattices), vertices at

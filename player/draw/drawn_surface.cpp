@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/draw/drawn_surface.hpp"
 
 #include <glm/common.hpp>

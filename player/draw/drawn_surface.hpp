@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The surface as every painter draws it: its vertices between two frames, its light, and the pixels that a

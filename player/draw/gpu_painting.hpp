@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Surfaces and fingers painted by a GPU: from a pair of frames to a lattice in its memory (GpuLattices), the

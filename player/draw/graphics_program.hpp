@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Graphics pipelines: a GraphicsProgram is made from a GraphicsLook (shaders, bindings, use of z and colour)

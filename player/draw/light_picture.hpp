@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A picture being composed in linear light: the painted surface on its background, the shapes of fingers, and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/draw/overlay_rows.hpp"
 
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Inputs of overlays, row by row: pixel values, their places on a scale that does not flicker, and the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Overlays: a surface coloured by one of its properties, and the scale that explains the colours.

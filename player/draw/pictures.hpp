@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Pictures of a surface and of the fingers on it: the module's main interface.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The camera from which a surface is viewed, and picking: what a pixel shows.

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
 """plot.py FORCES.csv [EXPORT_DIR] writes a PNG to standard output: what `touchable plot` calls."""
 
 import sys

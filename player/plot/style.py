@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What all plots share: colours, and how input that cannot be used is refused."""
 
 import matplotlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What fingers felt and where they went: from `touchable touch --forces` and `touchable export`. For `touchable plot`."""
 
 import csv

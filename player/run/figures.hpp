@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Figures of a run. A TouchSink receives every tick; TouchFigures is the one that counts and sums them, for

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/run/run_files.hpp"
 
 #include <fcntl.h>

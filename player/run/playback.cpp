@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/run/playback.hpp"
 
 #include "engine/base/try.hpp"

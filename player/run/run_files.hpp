@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Files of a run: tables written tick by tick, recordings that repeat a run to the bit, and tables of forces

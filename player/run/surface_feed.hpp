@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A clip's frames on their way to the hand: read, built and published to a timeline. A SurfaceFeed does so in

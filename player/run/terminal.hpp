@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A program and its person: Ctrl-C, standard output that may be closed, text from outside, memory that does

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/run/touch_session.hpp"
 
 #include "engine/base/try.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A run over a clip, tick by tick, in virtual time or in real time: this module's main interface.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What builds a run's frames: BuilderChoice, as a person chose it; pick_builder, which picks for `auto` by

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/session/clip_choice.hpp"
 
 #include <nlohmann/json.hpp>

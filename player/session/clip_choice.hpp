@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Selects the clip that a run touches (a file, a stream or a camera) and the user's settings for it.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The table of a run's settings that take a word or a number: a row for each, by which options, the window's

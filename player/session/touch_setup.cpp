@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/session/touch_setup.hpp"
 
 #include <glm/matrix.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/background_writer.hpp"
 
 #include <pthread.h>

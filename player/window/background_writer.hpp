@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Files that a window writes while it runs, off its thread: a disk that hangs stops neither the picture nor

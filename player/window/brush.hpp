@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The brush of materials: the user's tool (HeldBrush), which makes commands from clicks and strokes, and a

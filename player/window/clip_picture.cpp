@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/clip_picture.hpp"
 
 #include <glm/geometric.hpp>

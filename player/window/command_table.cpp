@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/command_table.hpp"
 
 #include "player/window/window_core.hpp"

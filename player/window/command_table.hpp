@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The table of all commands of a window: a row has the command's name in scripts, its arguments, its keys,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/finger_halos.hpp"
 
 #include <glm/geometric.hpp>

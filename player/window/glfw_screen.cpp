@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A system window with GLFW: pictures presented with Vulkan, keys, mouse and touch screen as events, and
 // handling of a lost X server.
 

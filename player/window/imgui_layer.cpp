@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Dear ImGui: its input, colours and fonts, from the typefaces that fontconfig finds.
 
 #include "player/window/imgui_layer.hpp"

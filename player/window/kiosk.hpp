@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A kiosk: a window in a public place, which runs unattended. Declares its additions to a window: detecting

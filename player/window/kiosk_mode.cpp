@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/kiosk_mode.hpp"
 
 #include <glm/common.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Measuring in the picture: a line between two places of the surface, which follows the surface from frame to

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/opened_clip.hpp"
 
 #include <glm/geometric.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Parts of the window's panels, drawn immediately (immediate mode): rows of the panel at Dear ImGui's cursor;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/persistent_device.hpp"
 
 #include "engine/base/try.hpp"

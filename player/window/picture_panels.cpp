@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Over the picture: boxes in its corners, lines of the measure and the brush, help, and the page of a window
 // without a clip.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The window: shows a clip, lets the user touch it, and ends when the user closes it.

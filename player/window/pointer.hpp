@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The mouse as a finger, fingers on a touch screen, and the view that both turn. docs/play.md describes the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "player/window/session_settings.hpp"
 
 #include "engine/base/words.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The settings that the user has changed in the window, based on the table of settings (session_settings, in

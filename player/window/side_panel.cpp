@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The panel on the right: finger and clip, materials, settings of touch, and performance figures.
 
 #include <imgui.h>

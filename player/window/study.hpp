@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A study whose participants are a kiosk's visitors: its file (Study), the order of conditions for each

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/base/try.hpp"
 #include "player/window/command_table.hpp"
 #include "player/window/kiosk_mode.hpp"

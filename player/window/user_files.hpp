@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The user's files in a window: the list of clips (Playlist), and the settings kept between windows

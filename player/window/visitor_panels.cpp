@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A kiosk's visitor interface, a bar of large buttons and large texts; and the pages of a study.
 
 #include <imgui.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Changes of clips and settings, prepared on a separate thread while the current clip continues. `ask_for_*`

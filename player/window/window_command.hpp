@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The window's commands. Keys, buttons of the panel, scripts and tests all use the same WindowCommand, so

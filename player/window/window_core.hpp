@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The core of a window: owns its state, its parts and its modes, dispatches events and commands through the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws the window's pictures: on a GPU, with Dear ImGui's Vulkan backend; or in the CPU's memory. Also the
 // headless screen.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A window's main loop, a script's inputs, and the files kept at the end.
 
 #include <malloc.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // A mode of the window: one use of a window besides showing a clip and touching it. The modes are a kiosk for

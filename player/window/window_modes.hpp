@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The modes that every window has, for the left button and keys over the picture: turning the view, the list

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The window's pictures: when one is due, its content, and its measurements. Each shows the clip at the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What all parts and modes of a window share: options, screen, sound, the current clip, messages, times.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // X server features beyond GLFW: touch screen fingers (XInput2), and keeping the display awake
 // (MIT-SCREEN-SAVER). TOUCHABLE_HAS_X_TOUCH, TOUCHABLE_HAS_XSS: the libraries that the program is built with.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Touch depth pictures and depth video, read and write them exactly: numpy arrays in, numpy arrays out.
 
     import touchable

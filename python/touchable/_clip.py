@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Files of depth video as sequences of frames, whose pictures are numpy arrays over the memory that the clip decodes to."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The C API of touchable.h by ctypes: its structs, its functions, and the libraries that they are in.
 
 Handles are structs of one uint64_t in C; they go by value in the register that a uint64_t does.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """numpy arrays as the planes of touchable.h, and its planes as arrays. Nothing is copied where that can be."""
 
 from __future__ import annotations

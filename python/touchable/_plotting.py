@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What was touched as a picture: forces over time, and the ways of the fingers over the depth."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What depth pictures mean: a camera in figures, or a scene, which can say more."""
 
 from __future__ import annotations

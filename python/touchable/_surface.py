@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Depth pictures as a surface that can be touched, also while it moves."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Fingers on a surface: goals in, forces out, for a tick or for many of them in one call."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Depth video out: arrays or frames of clips become a clip that keeps every value of depth."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What goes wrong, as exceptions: each is a touchable.Error, and what Python programs expect besides."""
 
 from __future__ import annotations

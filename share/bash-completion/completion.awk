@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Of what `touchable --list-options` prints: Bash's tables.
 #   _touchable_commands                    all commands
 #   _touchable_options[COMMAND]            its options

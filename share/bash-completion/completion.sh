@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Bash's completion of the program's commands, options, values and files, made of its own table of options, to standard output.
 #   completion.sh PROGRAM
 set -eu

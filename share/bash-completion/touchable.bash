@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 
 _touchable_files() {  # -f or -d
     compopt -o filenames 2>/dev/null

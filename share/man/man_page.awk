@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Manual pages (roff) of what `touchable --list-options` prints: a file in `folder` for the program and for each command.
 #   awk -F '\t' -v version=0.2.0 -v folder=man -v description=... -v ending=... -f man_page.awk table
 

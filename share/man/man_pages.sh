@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Manual pages of the program and of each of its commands, made of its own table of options and compressed.
 #   man_pages.sh PROGRAM VERSION FOLDER      FOLDER is new or is replaced
 set -eu

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Whether programs that are built already go on working with the libraries as they are now (README.md).
 #   abi.sh check|write COMPILER HEADER RECORDED LIBRARY...
 # abidiff (Debian: abigail-tools) compares the header's functions, structs and constants with the recorded ones. The libraries must

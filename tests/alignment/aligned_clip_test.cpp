@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Depth that was guessed picture by picture gets one scale, and what truly moves goes on moving.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Holes get the depth that is behind them where other frames saw it, and nothing else does.
 
 #include <gtest/gtest.h>

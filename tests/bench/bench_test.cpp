@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What benchmarks are made of: sensors and clips that they measure with; loops and spectra.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What records of measurements tell: targets, tables, and the page of `./run bench`.
 
 #include <gtest/gtest.h>

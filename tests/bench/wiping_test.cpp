@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A wiping hand's forces beside the solver's: a made-up record whose answer is known, and the real ones.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A camera that is plugged in, over a fake of the kernel's side. No test depends on a deadline, and none has
 // met a camera.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips by the C API: what is read is what lies in them, what is written is read again, and only what may be
 // is replaced.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The programs of examples/, as a reader of docs/install.md runs them.
 
 #include <gtest/gtest.h>

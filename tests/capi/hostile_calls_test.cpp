@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random calls in random order: sizes that cannot be, NULL, handles of others and of the dead, numbers that
 // are none, huge counts. Each gives a status; sanitizers see to the rest.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The C API gives the forces of the rooms behind it, to the bit: same frames, goals and times.
 
 #include <gtest/gtest.h>

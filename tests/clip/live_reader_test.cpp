@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The rules that all live sources share, by a source that has what the test gives it.
 
 #include <chrono>

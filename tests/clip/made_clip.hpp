@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Clips that are made when they are read: a scene as a network guesses its depth, and one as a depth camera

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Generated scenes as tests and benchmarks touch them (docs/content.md): frames with unquantised depth, the

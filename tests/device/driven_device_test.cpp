@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The safety contract of every backend, in virtual time: a tick is a reading, a force and a turn of the
 // device's thread.
 

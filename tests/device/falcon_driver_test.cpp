@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A Falcon from its plug to its last bytes, over a fake one that does all that real ones are known to do
 // wrong.
 

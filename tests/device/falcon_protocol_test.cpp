@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Packets of the Novint Falcon, against letters written by hand from its owners' description.
 
 #include <gtest/gtest.h>

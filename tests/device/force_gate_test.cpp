@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The gate that each force passes on its way to a device, against a twin that decides slowly and obviously,
 // on every combination of the values at which a comparison of doubles may go wrong, and on random bits.
 // (tests/proof/ proves the promises for all values; here the code runs that the compiler made.)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The driver over a service of lines that a test writes: every fault at a known moment.
 
 #include <gtest/gtest.h>

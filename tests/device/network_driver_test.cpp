@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A network hand over real sockets of this machine.
 
 #include <arpa/inet.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The window's thread, the haptic thread and one that stops, at once: what ThreadSanitizer has to see.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Logs are written by hand, by the definition of docs/devices.md.
 #include "device/drivers/recorded_device.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Devices are left unpowered at every end of their process: the last bytes that reach the other end of a
 // socket.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The stiffness at which a spring begins to shake, found in virtual time, against what theory says of it
 // (docs/measurements.md).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The timeline between the thread that builds frames and those that look at them: which pair is in hand when,
 // beside a plain model; epochs; an eye beside the hand.
 

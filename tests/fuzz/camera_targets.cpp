@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Cameras: colour pictures as drivers deliver them, and the cameras of frames.
 
 #include <linux/videodev2.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Matroska clips: the file as a whole, and what their tags and blocks say.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Messages of devices and their services, and logs, except HID.
 
 #include <glm/geometric.hpp>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Every parser, or one TARGET, under libFuzzer, AddressSanitizer and UBSan: ./run fuzz [MINUTES [TARGET]]
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

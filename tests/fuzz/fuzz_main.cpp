@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The targets as one program of libFuzzer's. `./run fuzz` calls it:
 //   touchable-fuzz --list                  names of all targets, each with its most bytes and mebibytes
 //   touchable-fuzz --cuts=NAME             every seed of a target, cut at every length

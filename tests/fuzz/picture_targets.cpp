@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures of every kind, in memory.
 
 #include <libheif/heif.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Hands: their words, and the tables that they repeat.
 
 #include <glm/matrix.hpp>

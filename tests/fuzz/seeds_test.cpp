@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every target over its seeds: whole, cut at many lengths, and changed a few hundred times. `./run fuzz` does
 // the same for minutes, led by what code is reached.
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A received stream: any bytes, through a pipe, to be opened and read to their end.
 
 #include <fcntl.h>

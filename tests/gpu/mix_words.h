@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A kernel that uses everything GpuCommands can bind, and what C++ must agree on with it.
 #ifndef TOUCHABLE_TESTS_GPU_MIX_WORDS_H
 #define TOUCHABLE_TESTS_GPU_MIX_WORDS_H

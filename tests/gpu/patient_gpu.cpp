@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A software GPU on a busy machine is slow, not lost: where a wait for it would be given up after the 10 s
 // that a picture has, or later, it lasts up to 5 minutes. Linked into each test, and loaded before each run
 // of the program. Shorter limits, which tests of a GPU that hangs set, stay as they are. And its memory,

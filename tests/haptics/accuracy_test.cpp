@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Does the force point where the true surface's normal points, and does the proxy follow the hand?
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A map of stiffness under a finger: what it creates where it may rise freely, and how a rise that must be
 // paid for, or takes its time, behaves.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The damper beside the spring, and the controller that takes created energy back.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The solver's inputs: vertices, the ring and beyond, heights, blends, properties, bounds.
 
 #include <gtest/gtest.h>

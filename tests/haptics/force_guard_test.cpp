@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The guard between a solver and a hand.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Friction against closed forms, and friction at edges where only its promises are known.
 
 #include <gtest/gtest.h>

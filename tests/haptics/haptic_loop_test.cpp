@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The real-time thread: what it promises at any load of the machine. No test here depends on a deadline
 // being met.
 

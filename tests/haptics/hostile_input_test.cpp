@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Input of any bits gives a force that a device can bear, and leaves no trace in later ticks.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The cancellation between a surface that jumps and a hand.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A surface that moves under the finger, and the edges of the world.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Recordings of ROS 1 and messages of ROS 2, byte by byte.

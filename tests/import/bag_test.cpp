@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Recordings of ROS 1: written by librosbag-storage 1.15.15 of Debian 12 (tests/fuzz/seeds/bag, without
 // definitions of messages), and by a writer of the tests' own.
 

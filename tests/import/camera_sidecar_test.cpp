@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files of cameras that lie beside pictures, as other programs write them: which is taken, and what it means.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files of other programs that are not opened: each gets one line with what it is and what to do.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/import/foreign_video.hpp"
 
 #include <gtest/gtest.h>

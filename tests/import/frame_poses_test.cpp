@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses of the camera beside frames, by the layouts of those who write them, against a wall that stands
 // still.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Colour of a camera of its own, and lenses that bend: brought onto the pixels of one pinhole camera.
 
 #include <gtest/gtest.h>

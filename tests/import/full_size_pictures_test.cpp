@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same depth as a PNG of 16 bits and as floats, which other programs wrote: NumPy, OpenEXR and
 // libtiff (FFmpeg wrote the PNG). What is touched is the same.
 

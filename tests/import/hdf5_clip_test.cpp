@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // HDF5 files and folders of them, opened as clips.
 
 #include <gtest/gtest.h>

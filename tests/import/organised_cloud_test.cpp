@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Organised clouds of points (PCD, PLY): depth, colour and the camera from a point for each pixel.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips packed for pages: what was written comes back, and what was cut or changed is refused with its place.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Recordings of ROS 2 in MCAP, written from what mcap.dev/spec and OMG's CDR say.
 
 #include <gtest/gtest.h>

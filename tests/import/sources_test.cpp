@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The table "Where people's depth comes from": what each row's source writes is opened by the row's own
 // command. Depths are held against what was stored, to half a code.
 #include <gtest/gtest.h>

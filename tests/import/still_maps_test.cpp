@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Maps that serve a whole clip: pictures, and surfaces of X3D and glTF, whose texts are written here by hand.
 
 #include <gtest/gtest.h>

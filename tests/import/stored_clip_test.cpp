@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stored clips: behaviour that is common to all sources of pictures.
 
 #include <gtest/gtest.h>

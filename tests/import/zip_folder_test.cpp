@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ZIP archives of pictures, opened as the folders that they unpack to.
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # libtouchable.a is whole, and defines no name that could be another program's.
 #   archive_test.sh ARCHIVE COMPILER SOURCE_DIR
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Asks Bash's completion what it offers.
 #   completion_test.sh COMPLETION PROGRAM
 set -euo pipefail

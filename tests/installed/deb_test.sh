@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # The Debian package: the same bytes twice, and nothing that Debian's checker complains of.
 #   deb_test.sh CPACK BUILD_DIR
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # What desktops and `man` think of the files that are made and written for them.
 #   desktop_test.sh SHARE_SOURCE SHARE_BUILT PROGRAM
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # What run.sh does in its bare root, a hook of mmdebstrap.
 #   in_bare_root.sh ROOT
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Runs a command in a clone of what is committed, in a bare root of a Debian that mmdebstrap makes and removes:
 #     tests/installed/in_debian.sh SUITE COMMAND
 # Exit code 77: there is no such root.

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # The systemd unit of docs/exhibit.md: systemd accepts it, its command opens a kiosk, and it ends as the unit expects.
 #   kiosk_test.sh SOURCE_DIR PROGRAM
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The Debian package and the wheel, made as a person makes them, give in a bare Debian the forces that the program gives. Exit code 77:
 # there is no such Debian (run.sh).
 set -euo pipefail

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # Installs a build into a folder, moves that, and builds other projects with it: in C by CMake and by pkg-config, in C++ by
 # the solver's rooms.
 #   prefix_test.sh BUILD_DIR SOURCE_DIR LIBRARY_FOLDER

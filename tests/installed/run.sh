@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: Apache-2.0
 # A bare Debian 12 with the package alone: the program there, a program in C that links what is installed, and a wheel of
 # Python's package give the same force hash.
 #   run.sh DEB [WHEEL]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """As examples/c/touch_clip.c: touches a clip with the goals that `touchable touch --forces` wrote, and prints the force hash."""
 import sys
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Materials painted by a person: joined, cut, undone, saved, and brought back.
 
 #include <gtest/gtest.h>

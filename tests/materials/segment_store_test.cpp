@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Labels of whole clips in little memory, and segments that a stroke cuts in two.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The rules of docs/architecture.md on modules, checked against every folder, #include and linked target: a
 // module's CMakeLists.txt says which others it uses, and which of its headers these may include.
 
@@ -512,6 +513,25 @@ TEST(RealData, IsFoundByOneFunction) {
                 << file << " finds recordings by " << way << ", not by real_data()";
     }
     EXPECT_GT(files, 200) << "hardly anything was looked at";
+}
+
+// Each source file names its licence in a line of SPDX's, at its beginning, where programs look for it.
+
+TEST(Licence, IsNamedBySources) {
+    const Names kinds{".cpp", ".hpp", ".h",    ".c",     ".comp", ".vert", ".frag",          ".js", ".py",
+                      ".sh",  ".awk", ".bash", ".cmake", ".css",  ".html", "CMakeLists.txt", "run"};
+    const Names left_out{"build", "out", ".git", ".cache"};  // made here
+    int files = 0;
+    for (fs::recursive_directory_iterator at(source("")), end; at != end; ++at) {
+        const fs::path& file = at->path();
+        if (at.depth() == 0 && left_out.contains(file.filename())) at.disable_recursion_pending();
+        if (!at->is_regular_file() || !(kinds.contains(file.extension()) || kinds.contains(file.filename())))
+            continue;
+        const std::string text = text_of(file);
+        EXPECT_LT(text.find("SPDX-License-Identifier: Apache-2.0"), 100U) << file;
+        ++files;
+    }
+    EXPECT_GT(files, 1000) << "hardly anything was looked at";
 }
 
 }  // namespace

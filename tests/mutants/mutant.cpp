@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Linked into every program and library that mutants.py builds: the switch of mutant.hpp, and for each test
 // of a GoogleTest program a line of what it reached, with what its child processes reached.
 

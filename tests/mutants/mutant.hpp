@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What a source file includes that mutants.py has changed: the switch of its changes. Each change has a

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Which small changes of the product no test sees: mutants.py [MODULE...], as ./run mutants calls it.
 
 In a copy of the sources, build/mutants, places of each module are changed by rule (places.py), each behind a switch of its own

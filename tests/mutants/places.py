@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where a C++ source may be changed by rule, and to what: places(text) reads the tokens of function bodies, by their statements.
 
 A place is one small change behind the switch of mutant.hpp, where "@K@" stands for its number. What no test could see is left out as

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Scenes and forces that are known to the bit, by Debian's compiler for 64-bit ARM, under QEMU.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Another project links the solver, which is built without FFmpeg, Vulkan and CLI11, and touches with it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A finger that presses on a hill, from another project than touchable's own (docs/install.md).
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // OpenEXR: by FFmpeg's encoder, and by OpenEXR's own writer, which the reader does not use.
 
 #include <ImfChannelList.h>

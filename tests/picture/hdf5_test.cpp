@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures in HDF5 files, which h5import writes.
 #include <stdlib.h>
 

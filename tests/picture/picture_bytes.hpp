@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Files of pictures, made byte by byte: JPEG as phones write it, PNG and TIFF of all kinds.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // TIFF: by FFmpeg's encoder, which packs, and by hand for what it lacks: floats, tiles, the other byte order.
 #include <gtest/gtest.h>
 

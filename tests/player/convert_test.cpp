@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips in other forms: the same to the touch, or the program reports the loss.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The program's words on devices, on machines that may have any or none.
 #include <arpa/inet.h>
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Loaded before a program: the first wait for its GPU is in vain, and while it ends it is kept from going on
 // for a moment, as on a machine that is busy with others.
 #include <dlfcn.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/player/in_process.hpp"
 
 #include "engine/clip/clip.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Touch of a camera: frames that come when they are taken, or do not come. No test depends on a deadline.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Touch in real time: decoding, building and the haptic loop on threads of their own. No test depends on a
 // deadline.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Another program as the hand: from its datagrams to forces and back, and no force once either ends. No test
 // depends on a deadline.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Outputs of a run: never over its input, never two in one, whole or not at all.
 
 #include <gtest/gtest.h>

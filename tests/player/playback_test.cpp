@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A clip that is paused, sought, looped, stepped and played at other speeds while fingers press on it.
 
 #include <gtest/gtest.h>

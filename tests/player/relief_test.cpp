@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `touchable relief`, as a person calls it.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A board as serial_hand.py has it, at a pseudo-terminal: for so many seconds it pokes, then it is unplugged.
    python3 serial_board.py SERIAL_HAND UDP_PORT SECONDS"""
 import math, os, subprocess, sys, time, tty

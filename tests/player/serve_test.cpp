@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The program sends, on this machine, at ports that the system chooses.
 
 #include <gtest/gtest.h>

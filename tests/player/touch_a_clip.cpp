@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A program of one's own that touches a clip: any file that touchable opens, one finger that presses, and the
 // hash of its forces. It links the room `player/run` and what opens files: no window, no Vulkan, no options.
 #include <cstdio>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What `touchable touch` refuses, how its options shape forces, and how --replay repeats them.
 
 #include <gtest/gtest.h>

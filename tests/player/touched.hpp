@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Runs of the program that make and touch, and what they leave: reports, forces, recordings.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Loaded before a program whose window goes by a script: time waits for the window. Its clocks go as the
 // machine's do while its first thread, which takes the script and draws, looks at them every 20 ms. While
 // that thread is kept from it for longer, by a machine that is busy with others or by a large picture, they

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A watched session whose clip's clock gets commands while it runs.
 
 #include <fcntl.h>

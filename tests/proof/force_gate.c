@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What device/force_gate.h promises, as claims about any arguments: each is checked by itself, with CLAIM its
 // number, by prove.sh. A double here is any value that a double can have, NaN and infinities among them, and
 // claims are comparisons of C, which are false where one side is not a number.

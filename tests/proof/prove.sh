@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Proves what device/force_gate.h promises, for all doubles, and checks that no promise is proved of a gate that breaks it: ./run prove
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."

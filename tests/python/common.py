@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What several tests need: the program, clips that it makes, pictures read without touchable, recordings."""
 import functools
 import os

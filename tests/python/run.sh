@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Builds the wheel of the libraries in a build folder, installs it in a virtual environment, and runs the tests there:
 #     tests/python/run.sh BUILD_DIR
 # Exit code 77: Debian's Python lacks what the tests need.

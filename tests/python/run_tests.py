@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs all tests beside this file, and says how each went in the lines of GoogleTest, which tests/totals.py counts. As there,
 GTEST_FILTER chooses: names with * and :, those after - are left out."""
 import fnmatch

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What comes with the package: its documentation, its wheel and libraries, examples and plots."""
 import contextlib
 import dataclasses

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import concurrent.futures
 import dataclasses
 import gc

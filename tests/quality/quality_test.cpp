@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where edges of colour are, against edges of depth that are known.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A clip with relief: its other planes as they were, heights that are the same bits everywhere.
 
 #include <gtest/gtest.h>

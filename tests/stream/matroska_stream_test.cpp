@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/clip/containers.hpp"
 #include "engine/stream/stream_pictures.hpp"
 #include "tests/limits.hpp"

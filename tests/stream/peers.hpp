@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The other ends of connections on this machine, by plain calls: of a server of ours, and of SRT.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/stream/relay.hpp"
 
 #include <arpa/inet.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Servers on this machine, for as long as they live: of bytes that a test says, and of a web server's

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Streams as clips that are read as they come.
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A server's listeners, and what links to them carry: rates that are felt out, levels of HLS, colour that is
 // left out.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Forces that are known to the bit, straight from the solver: no clip, no hand file, no program between.
 #include <gtest/gtest.h>
 

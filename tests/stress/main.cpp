@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // touchable-soak: the stress suites, one or all of them, for as long as wanted.
 #include <CLI/CLI.hpp>
 #include <cmath>

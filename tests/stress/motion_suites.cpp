@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Suites that are out for the goal: along lattice lines to the bit, behind the camera, very far away,
 // everywhere at once.
 

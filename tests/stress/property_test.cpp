@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Properties of any touch: RapidCheck picks fields, cameras, codings, hands and changes of frames,
 // and makes what fails as small as it can. The seed is fixed, so that a build passes or not;
 // RC_PARAMS="seed=..." tries others, and a failure prints the RC_PARAMS that repeat it (docs/paper.md).

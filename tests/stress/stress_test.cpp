@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A slice of the stress suites, every tick certified: `touchable-soak` goes on where this ends
 // (docs/paper.md).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Participants of a study, by scripted hands in virtual time.
 
 #include <gtest/gtest.h>

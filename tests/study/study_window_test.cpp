@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A study by the program, as an experimenter starts it: participants with scripted hands.
 #include <gtest/gtest.h>
 #include <sys/wait.h>

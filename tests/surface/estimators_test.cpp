@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The camera behind depths, recognised by the codes that occur.
 
 #include <gtest/gtest.h>

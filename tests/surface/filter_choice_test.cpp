@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The measurements from which each filter is chosen, and its strength: the numbers of docs/scene_file.md,
 // Filters that are left out.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pixels that hang between two surfaces are pulled to one of them; slopes, steps and thin things stay.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Recordings whose files go on where they end: zeros that a recorder had asked for, or what is written still.
 
 #include "engine/base/threads.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/video/mp4_boxes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Our MP4 files as others read them: by their boxes, and by FFmpeg alone.
 
 #include <map>

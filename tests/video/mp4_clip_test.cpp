@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips in MP4: what was written comes back, by way of tags and an MPEG-4 scene, or of the scene alone.
 
 #include <functional>

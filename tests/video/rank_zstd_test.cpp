@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "engine/clip/track_codecs.hpp"
 
 #include <zstd.h>

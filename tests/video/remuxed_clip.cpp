@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/video/remuxed_clip.hpp"
 
 #include <gtest/gtest.h>

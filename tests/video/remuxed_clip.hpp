@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Clips written again by FFmpeg alone, with faults or with sound; and films, written and seen.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where vertices at edges are drawn: along the edge that their pixels tell of, and never across themselves.
 
 #include <gtest/gtest.h>

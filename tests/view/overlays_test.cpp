@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The colours of overlays, against plain code that asks the field for every pixel.
 
 #include <gtest/gtest.h>

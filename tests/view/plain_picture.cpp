@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/view/shown.hpp"
 
 #include "player/draw/light_picture.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The brush in the hand: commands, clicks and strokes; the colours of materials.
 
 #include <gtest/gtest.h>

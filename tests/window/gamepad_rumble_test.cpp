@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Contact as a gamepad's rumble: by ticks and times that the test makes, and on SDL's virtual gamepad.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The window without a window: what it shows, and by which settings it is felt, by the program as a person
 // starts it.
 

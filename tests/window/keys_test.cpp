@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What keys are called on keyboards of many languages. GLFW's numbers of letters and digits are those of
 // ASCII.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A day of a kiosk whose visitors press and touch everything, by a clock that the test puts forward.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Labels of places of a clip: read, found, and shown where a finger rests.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What users of other players expect of the window: keys, full screen, a playlist, volume, a bar that
 // gives way, words that stay. Without a window, by the program as a person starts it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A device that is held in place of the mouse: over sessions that come and go, and by the window.
 #include <gtest/gtest.h>
 

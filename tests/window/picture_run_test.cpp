@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Looking at the data of a clip: lines between two places, pixels as they are stored, legends that explain.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A window on a display, with keys and a mouse as a person has them.
 #include <gtest/gtest.h>
 

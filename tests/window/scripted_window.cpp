@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/window/scripted_window.hpp"
 
 #include <cstdint>

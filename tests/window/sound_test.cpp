@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The sound of ticks, sample by sample, and on their way to the loudspeakers.
 
 #include <gtest/gtest.h>

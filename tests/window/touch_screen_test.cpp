@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fingers on a touch screen, in the program as a person starts it: by scripts, and on an Xorg that has one.
 #include <gtest/gtest.h>
 

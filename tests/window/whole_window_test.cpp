@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // All threads of a window at once, as a person has them: what ThreadSanitizer has to see. The program ends
 // with its own code then, and with a report on stderr. Nothing is drawn by a GPU, into which it does not see.
 #include <arpa/inet.h>

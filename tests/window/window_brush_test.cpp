@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The brush of the window: what it does for a clip, and what becomes of that when the clip goes.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a window leaves in the hand while something is opened that never answers: by order of events, which
 // the test itself releases.
 

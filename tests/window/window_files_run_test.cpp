@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files that a window reads and writes: each once, whole or up to where a disk is full, and never one in
 // place of another.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // What windows' tests have: fingers and clips, screens and a hand that a test holds.

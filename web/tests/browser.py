@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Drives real browsers for the page's tests, with Python's standard library alone.
 
     with Server(folder) as server, Chromium() as browser:   # or Firefox()

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Measures the page in Chromium, on a quiet machine: measure.py PROGRAM PAGE_FOLDER
 
 Prints times of ticks against the program's, frames built a second by size, pictures a second at a CPU slowed by 4, the

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Tests of the page in a real browser, against the program: page_test.py BROWSER PROGRAM PAGE_FOLDER OUT [TEST...]
 
 BROWSER: Chromium or Firefox. PAGE_FOLDER: the built page with its engine. OUT: gets screenshots. A recording comes from

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Touchable clips from Blender: an add-on with a panel, and a script for Blender without a window (export.py)."""
 
 bl_info = {

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # The add-on as a zip file that Blender installs: ./run addon (docs/content.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../../.."

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The one file for calls that changed since Blender 3.4. Those of 5.0 follow Blender's documentation and have not been run.
 """Calls that differ between Blender 3.4 and today's."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Blender's camera as the scene file has it: focal lengths and principal point in pixels, whose centres are whole numbers."""
 
 from dataclasses import dataclass

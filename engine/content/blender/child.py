@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """An export that a Blender of its own makes of the file, beside the one that a person works in: whose file stays as it is."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Colour as the artist has set it: their engine, samples, lights, view transform and compositor."""
 
 import ctypes

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Three scenes made with Blender, rendered to clips, and touched, into out/content/: ./run content (docs/content.md)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../../.."

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Depth, material and factors of each pixel, all of them from one and the same sample at the pixel's centre.
 
 It is one render by Cycles on the CPU. A pixel's surface is the first one that is at least half opaque (opacity.py). Textures of haptics and

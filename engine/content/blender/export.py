@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Makes a touchable clip of a scene, without a window:
 
     blender -b scene.blend -P export.py -- OUT [options]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What ends an export, each kind with an exit code of its own: those that `touchable` has."""
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """An export from its first look at the scene to the finished clip. It changes the file in memory, and that is not saved."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a material feels like: what an artist has set, or a guess by how it looks.
 
 An artist sets custom properties of the material, and nodes among its nodes by their labels:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which frames a clip has: the scene's range, or one frame where nothing moves; and their rate."""
 
 from fractions import Fraction

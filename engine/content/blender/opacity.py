@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which places of a material are a surface: those that are at least half opaque.
 
 Cycles decides by chance whether a ray passes a surface that is half transparent, for its picture of light is the mean of many rays. The data is

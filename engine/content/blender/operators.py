@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a person can do: export a clip, touch the current frame, and set what a material feels like."""
 
 import os

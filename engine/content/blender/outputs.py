@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where an export goes: a clip, where `touchable` is there to make one, or the folder of its pictures. It appears whole or not at all."""
 
 import os

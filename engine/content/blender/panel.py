@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where a person finds it: the viewport's sidebar, Properties > Output, Properties > Material, File > Export."""
 
 import textwrap

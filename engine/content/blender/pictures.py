@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Pictures as files, to the bit: Blender's own image files dither and convert colours. No bpy here.
 """Reads the uncompressed OpenEXR that Blender writes; writes OpenEXR of floats, and PNG of 8 and 16 bits."""
 

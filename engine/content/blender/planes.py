@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a clip stores of a frame: depth in metres, haptic and height as codes; and the ranges of those, which the scene file has."""
 
 from dataclasses import dataclass

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """scene.json of the folder of pictures that an export makes. Lengths are in metres."""
 
 import json

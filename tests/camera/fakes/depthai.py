@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """As far as oak.py uses it, version 2."""
 from datetime import timedelta
 from types import SimpleNamespace as Some

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """As far as azure_kinect.py uses it."""
 from types import SimpleNamespace as Some
 import scene, time

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """As far as realsense.py uses it; a D405's unit."""
 from types import SimpleNamespace as Some
 import scene, time

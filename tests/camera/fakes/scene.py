@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the fakes see: a ball that comes nearer and goes away before a wall, 100 times a second."""
 import math, struct, time
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What is checked within Blender: blender -b --factory-startup --python-exit-code 9 -P checks.py. The first that fails ends it."""
 
 import importlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Of what an export leaves on the disk, and of the Blender that the add-on starts: as checks.py, and run as it is."""
 
 import contextlib

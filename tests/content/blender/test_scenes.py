@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Scenes whose surface the tests know in closed form: blender -P test_scenes.py -P export.py -- ..., $SCENE being one's name."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Renders the seeds tests/fuzz/seeds/exr_layers/*.exr, which were made by Blender 3.4.1:
 #     blender -b --factory-startup -P render_seeds.py -- FOLDER
 # A camera looks down at a floor 10 away, of material 2 on the right and 0 on the left; a box of material 5 stands

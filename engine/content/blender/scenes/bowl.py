@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A glass marble that rolls round in a wooden bowl, twice in two seconds. Lengths are in metres."""
 
 import math

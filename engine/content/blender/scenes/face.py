@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A face on a bronze medal, modelled as one function of the place. Lengths are in metres."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writes the three scenes: blender -b --factory-startup -P make_scenes.py -- FOLDER [NAME...]"""
 
 import importlib

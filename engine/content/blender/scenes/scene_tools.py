@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the three scenes have in common: meshes from functions, materials that say what they feel like, a camera, lights."""
 
 import math

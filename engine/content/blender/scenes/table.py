@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Materials on a table: rubber, steel, porcelain, sponge and linen on oak. Lengths are in metres."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """As far as ros2.py uses it: a node that hears a camera on two topics."""
 import time
 import scene

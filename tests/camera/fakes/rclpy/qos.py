@@ -1,1 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
 qos_profile_sensor_data = "sensor data"

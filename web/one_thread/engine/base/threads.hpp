@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Stands before engine/base/threads.hpp on the include path of WebAssembly, which has one thread here: what
