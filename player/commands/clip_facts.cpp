@@ -495,9 +495,14 @@ Result<void> add_error_bars(const RawFrame& first, ClipReader& reader, ClipFacts
         if (!frame || !*frame) break;
         TRY(builder->build(**frame, surface));
     }
+    const MeasuredDepth& measured = *facts.measured;
+    const FilterSettings& filter = facts.scene.filter;
+    const bool holds_nowhere = measured.trusted_to(filter) == 0;
     std::vector<double> bars;
     for (const ErrorSigns::Block& block : surface.signs.blocks)
-        if (const double bar = surface.signs.bar(block).degrees; bar >= 0) bars.push_back(bar);
+        if (const double bar = surface.signs.bar(block).degrees;
+            bar >= 0 && (holds_nowhere || error_bars_hold(measured, filter, block.depth)))
+            bars.push_back(bar);
     if (bars.empty()) return {};
     const auto below = [&](std::size_t tenths) { return sorted_element(bars, bars.size() * tenths / 10); };
     facts.error_degrees = {{below(1), below(5), below(9)}};
@@ -531,7 +536,7 @@ Result<ClipFacts> clip_facts(const ClipChoice& choice) {
         }
     facts.notes = remarks_with_options(remarks);
     add_first_frame(*first, facts);
-    TRY(add_error_bars(*first, *clip.reader, facts));
+    if (facts.measured && facts.measured->is_searched()) TRY(add_error_bars(*first, *clip.reader, facts));
     if (stop_requested()) return interrupted_error();
 
     const Camera& camera = facts.scene.camera;
@@ -640,8 +645,7 @@ std::string verdict_on(const ClipFacts& facts, const std::vector<Finding>* findi
         return "rough: smooth places lean " + degrees(now->left_deg) + " to and fro (" +
                direction_jnd_words(now->left_deg) +
                "), whatever the filters: record from nearer, or with more light";
-    if (facts.error_degrees && (*facts.error_degrees)[0] > hand_thresholds::felt_degrees && measured &&
-        measured->is_searched())
+    if (facts.error_degrees && (*facts.error_degrees)[0] > hand_thresholds::felt_degrees)
         return "rough: at nine of ten places 5 of 100 forces err by more than " +
                degrees((*facts.error_degrees)[0]) + " (" + direction_jnd_words((*facts.error_degrees)[0]) +
                "): record from nearer, or with more light";

@@ -293,13 +293,10 @@ void tell_depth(const ClipFacts& facts, const std::vector<Detail>& details, std:
                                     : "hardly any relief")
                             << ": " << point.filters << (point.is_in_effect ? " (in effect)" : "") << '\n';
     line(out, "levels") << level_words(facts) << '\n';
-    if (const auto& bars = facts.error_degrees)
+    if (const auto& bars = facts.error_degrees; bars && facts.measured->trusted_to(scene.filter) != 0)
         line(out, "error") << "95 of 100 forces err by less than " << short_number((*bars)[1], 2)
                            << " degrees at half of the places (" << direction_jnd_words((*bars)[1]) << "), "
-                           << short_number((*bars)[0], 2) << " at the best tenth"
-                           << (facts.measured && facts.measured->is_searched()
-                                   ? "\n"
-                                   : "; no sign of a camera: these are the scene's own bends\n");
+                           << short_number((*bars)[0], 2) << " at the best tenth\n";
     if (facts.measured) line(out, "noise") << noise_in_words(*facts.measured, scene.metres_per_unit) << '\n';
     line(out, "in between") << (scene.interpolation == FrameInterpolation::hold ? "hold the earlier frame"
                                                                                 : "linear between two frames")

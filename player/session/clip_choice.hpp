@@ -53,6 +53,11 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
 
 /// Of depth too far away (MeasuredDepth::trusted_to).
 inline constexpr const char* not_trusted_words = "its force cannot be trusted";
+/// Whether error bars (ErrorSigns) hold at this depth, scene units: not of depth without noise, whose bars
+/// are the scene's own bends, nor too far away.
+inline bool error_bars_hold(const MeasuredDepth& measured, const FilterSettings& filter, double depth) {
+    return measured.is_searched() && depth <= measured.trusted_to(filter).value_or(depth);
+}
 
 /// The filters of a scene and the reason for each: "terraces (levels 11.4 mm apart at 2 m), temporal for 3.2
 /// mm (noise 2.1 mm), no median (roughness 0.1 mm, 0.02 of a pixel's width)"; "stated" is the reason of

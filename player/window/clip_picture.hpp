@@ -38,7 +38,7 @@ struct ShownFrames {
 class WindowGraphics {
 public:
     virtual ~WindowGraphics() = default;
-    virtual std::string_view painter() const = 0;  ///< cpu, raster or mesh
+    virtual std::string_view painter() const = 0;   ///< cpu, raster or mesh
     virtual std::string gpu() const { return {}; }  ///< the drawing GPU; empty: none
     /// Whether that GPU or its surface is lost: these graphics can draw no more.
     virtual bool is_lost() const { return false; }
@@ -56,6 +56,10 @@ public:
     /// large gives each pixel the mean of its samples; that needs no `can_stretch`.
     virtual Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers,
                               const MarkSizes& sizes, int width, int height) = 0;
+    /// Keeps what was drawn, for `draw_again`.
+    virtual void keep_drawn() {}
+    /// Draws what was last kept, if nothing was drawn since; false: that is not there.
+    virtual bool draw_again() { return false; }
     /// Draws ImGui's draw data on top, and shows the picture. Its inputs are not read afterwards.
     virtual Result<void> finish() { return {}; }
     /// The last finished picture, RGB; ErrorKind::usage before the first.

@@ -59,6 +59,8 @@ void hide_words(Window window, Command) {
 }
 
 void keep_screenshot(Window window, Command command) {
+    Notices& notices = window.state.notices;
+    if (notices.passing().starts_with(saved_as)) notices.clear_passing();  // of an earlier one
     if (auto drawn = window.picture.draw_newest(); !drawn) return window.state.say(drawn);
     window.state.say(window.picture.keep(command.word));
 }

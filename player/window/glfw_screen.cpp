@@ -570,8 +570,8 @@ private:
 
     /// Runs until the window closes; polls, because `is_over_` wakes nothing.
     void serve() {
-        constexpr std::chrono::milliseconds look_again{8};
-        constexpr unsigned size_again = 12;  // polls: queries the X server, which reports a lost window
+        constexpr std::chrono::milliseconds look_again{32};
+        constexpr unsigned size_again = 3;  // polls: queries the X server, which reports a lost window
         for (unsigned k = 1; !is_over_; ++k) {
             while_connected([&] {
                 do_errands();

@@ -32,6 +32,9 @@ enum class Tone {
     fault     ///< a fault: stays longer, or until dismissed
 };
 
+/// A message of a kept screenshot begins so.
+inline const std::string saved_as = "saved as ";
+
 /// The subject of a fault: the fault disappears with it.
 enum class About { window, clip };
 

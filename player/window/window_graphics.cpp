@@ -188,12 +188,13 @@ Result<Image> read_back(std::shared_ptr<GpuDevice> device, const GpuImage& canva
     return image;
 }
 
-/// Stretches a drawn image over another one, ready for drawing.
+/// Stretches a drawn image over another one; both are ready for drawing then.
 void record_stretch(GpuCommands& commands, const GpuImage& from, const GpuImage& to) {
     constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     record_transition(commands, from, drawn, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     record_transition(commands, to, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     stretch_image(commands, from, to.handle(), to.extent());
+    record_transition(commands, from, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, drawn);
     record_transition(commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn);
 }
 
@@ -240,6 +241,7 @@ public:
     Result<void> draw(const ViewCamera& camera, std::span<const FingerMark> fingers, const MarkSizes& sizes,
                       int width, int height) override {
         TRY(reserve(canvas_, "canvas", width, height));
+        is_kept_ = false;
         const auto is_drawn_at = [&](int times) {
             return times * camera.width == width && times * camera.height == height;
         };
@@ -254,6 +256,17 @@ public:
         }
         record_stretch(*commands_, is_fine ? half_ : small_, canvas_);
         return {};
+    }
+
+    void keep_drawn() override {
+        const VkExtent2D size = canvas_.extent();
+        is_kept_ = static_cast<bool>(
+            reserve(kept_, "kept picture", static_cast<int>(size.width), static_cast<int>(size.height)));
+        if (is_kept_) record_stretch(*commands_, canvas_, kept_);
+    }
+    bool draw_again() override {
+        if (is_kept_) record_stretch(*commands_, kept_, canvas_);
+        return is_kept_;
     }
 
     Result<void> finish() override {
@@ -279,7 +292,9 @@ private:
     Screen& screen_;
     std::unique_ptr<SurfaceDrawing> drawing_;
     std::unique_ptr<ImGuiVulkan> imgui_;
-    GpuImage canvas_, small_, half_;       // small_: stretched over the canvas, if used, by way of half_
+    GpuImage canvas_, small_, half_;  // small_: stretched over the canvas, if used, by way of half_
+    GpuImage kept_;                   // the canvas without words
+    bool is_kept_ = false;
     std::optional<GpuCommands> commands_;  // of the current picture
 };
 

@@ -72,7 +72,9 @@ private:
     /// Until another frame is due, or the first clip is open.
     std::chrono::milliseconds pause() {
         const OpenedClip* const clip = window_.clip.get();
-        const int longest_ms = (clip ? clip->session().playback().playing : core_.clips.is_opening()) ? 2 : 8;
+        const PlaybackState playback = clip ? clip->session().playback() : PlaybackState{};
+        const bool is_quick = clip ? playback.playing && !playback.at_end : core_.clips.is_opening();
+        const int longest_ms = is_quick ? 2 : options_.hand ? 8 : 16;
         const int left_ms = static_cast<int>(core_.picture.left_ms());  // below 0: nothing has moved
         return std::chrono::milliseconds(left_ms < 0 ? longest_ms : std::clamp(left_ms, 1, longest_ms));
     }
@@ -154,7 +156,7 @@ private:
         for (const Error& fault : faults)
             if (window_.is_new_fault(fault)) window_.say(fault.message, Tone::fault);
         for (const auto& written : window_.screenshots.take()) {
-            written.result ? window_.say("saved as " + std::filesystem::absolute(written.file).string())
+            written.result ? window_.say(saved_as + std::filesystem::absolute(written.file).string())
                            : window_.say(written.result.error().message, Tone::fault);
             if (options_.headless && !written.result) lost_.push_back(written.result);
         }

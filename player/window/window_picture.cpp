@@ -23,7 +23,8 @@ namespace {
 // that decoding would suffer. For a new frame of the clip it is shorter.
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double words_pause_ms = 200;  // while nothing moves: clock and figures may advance
-constexpr double after_input_ms = 300, hint_s = 15;  // buttons fade; hints leave
+constexpr double slow_words_pause_ms = 1000, slow_after_s = 2;  // the same, so long after the last input
+constexpr double after_input_ms = 300, hint_s = 15;             // buttons fade; hints leave
 constexpr int most_fine_pixels = 1 << 24, longest_side = 8192;  // of a picture with several samples a pixel
 // FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
 constexpr double nearest_of_pointer = 0.5, nearest_of_hand = 0.125;
@@ -62,14 +63,14 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     place.pixel = {x, y};
     if (!values.valid) return place;
     const auto& chosen = clip.choice().measured;
-    const auto trusted_to =
-        chosen && chosen->measured ? chosen->measured->trusted_to(scene.filter) : std::nullopt;
-    if (trusted_to && values.depth > *trusted_to)
+    const MeasuredDepth* const measured = chosen && chosen->measured ? &*chosen->measured : nullptr;
+    if (measured && values.depth > measured->trusted_to(scene.filter).value_or(values.depth))
         lines.push_back(std::string("too far: ") + not_trusted_words);
     lines.push_back(formatted("stiffness %.2g N/mm of the hand", values.properties.stiffness / 1000));
     lines.push_back(formatted("friction %.2f, sliding %.2f", values.properties.static_friction,
                               values.properties.dynamic_friction));
-    if (const double degrees = field.error_bar(x, y).degrees; degrees >= 0)
+    const double degrees = field.error_bar(x, y).degrees;
+    if (degrees >= 0 && measured && error_bars_hold(*measured, scene.filter, values.depth))
         lines.push_back(formatted("95 of 100 forces err by less than %.2g degrees", degrees));
     return place;
 }
@@ -297,8 +298,10 @@ Result<void> WindowPicture::draw_if_due(const WatchedMoment* moment) {
                rests = 1000 * Clock::seconds_between(since, now) > after_input_ms,
                is_fine = !moves && (is_fine_ || (rests && can_be_finer(most_samples(), surface_, governor_)));
     if (!moves && is_fine == is_fine_ && !words_differ(moment)) return {};
+    is_at_rest_ = !moves && is_fine == is_fine_ && moment && !touches(*moment);
     is_fine_ = is_fine;
     const auto drawn = draw_what_is_there(moment);
+    is_at_rest_ = false;
     return drawn ? add_to_film() : open_graphics_anew(drawn.error());
 }
 
@@ -336,7 +339,11 @@ bool WindowPicture::words_differ(const WatchedMoment* moment) {
     const auto now = Clock::now();
     const double since = Clock::seconds_between(std::max(last_picture_, last_words_), now);
     const ScreenSize size = window_.screen->size();
-    if (1000 * since < words_pause_ms || size.width < 1 || size.height < 1) return false;
+    const PlaybackState playback = window_.clip ? window_.clip->session().playback() : PlaybackState{};
+    const bool is_slow = window_.clip && !(playback.playing && !playback.at_end) &&
+                         Clock::seconds_between(window_.time.last_event, now) > slow_after_s;
+    if (1000 * since < (is_slow ? slow_words_pause_ms : words_pause_ms) || size.width < 1 || size.height < 1)
+        return false;
     if (film_) return true;  // it has no gaps
     last_words_ = now;
     window_.notices.pass(window_.time.script_s);
@@ -471,8 +478,11 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
         for (FingerMark& mark : marks) mark.shown = mark.shown && mark.touching;
     const auto marked = Clock::now();
     const ViewCamera drawn_from = drawn_camera(size);
-    TRY(surface_.draw(moment, field, drawn_from, marks, clip.sizes(), size.width, size.height,
-                      vertex_step(drawn_from)));
+    if (!is_at_rest_ || !graphics.draw_again()) {
+        TRY(surface_.draw(moment, field, drawn_from, marks, clip.sizes(), size.width, size.height,
+                          vertex_step(drawn_from)));
+        if (is_at_rest_) graphics.keep_drawn();
+    }
     const auto drawn = Clock::now();
     PanelFacts facts = facts_of(moment, field, camera);
     facts.halos = halos_ = finger_halos(marks, clip.sizes(), field, camera);

@@ -5,7 +5,7 @@
 // haptic moment, with fingers, messages and panels; before the first clip, only messages.
 //
 // A picture is due with each new frame of the clip; within a frame, after movement or user input, if there is
-// time before the next. While nothing moves, texts and bars alone are made a few times a second, and drawn if
+// time before the next. While nothing moves, texts and bars alone are made once a second, and drawn if
 // they differ; and a turned view is drawn once more with up to 16 samples a pixel. Its size and level of
 // detail follow from the drawing time (PictureGovernor). If the GPU is lost, new graphics are opened once.
 //
@@ -118,7 +118,8 @@ private:
     Clock::time_point last_picture_, last_words_, frame_came_at_;
     std::vector<FingerHalo> halos_;  // of the last picture
     double last_draw_ms_ = 0;
-    bool is_fine_ = false;  // the last picture had all samples that there is room for
+    bool is_fine_ = false;     // the last picture had all samples that there is room for
+    bool is_at_rest_ = false;  // in this picture only words differ from the last one
     std::string shown_message_;
     std::string values_;  // last shown at the pointer
     std::size_t place_lines_ = 0;

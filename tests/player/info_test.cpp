@@ -140,6 +140,10 @@ TEST(Info, EndsWithVerdict) {
     EXPECT_PRED2(says, text, " of what a hand just notices where it sees the scene), ");
     EXPECT_PRED2(says, text, "\n  verdict      good to touch: touchable play " + clip + "\n");
     EXPECT_PRED2(says, text, "; smooth places lean ") << "what the filter did";
+    succeed({"make", "bumps", folder / "smooth.mkv", "--frames", "1"});
+    const std::string smooth = run_touchable({"info", folder / "smooth.mkv"}).out;
+    EXPECT_PRED2(says, smooth, "good to touch") << "bends are no errors";
+    EXPECT_FALSE(says(smooth, "err by less")) << smooth;
 }
 
 /// A noisy slope in one picture: the filters that the program chooses leave little, others much.

@@ -467,6 +467,16 @@ TEST(UiScale, FollowsGrowingWindowUnlessStated) {
     EXPECT_NEAR(height({clip}, grown + "0.6 size 1280x720\n"), usual, 2) << "and back";
 }
 
+TEST(Screenshot, LeavesOutItsMessage) {
+    const TemporaryFolder folder;
+    const std::string script = "0.5 screenshot a.png\n1.5 screenshot b.png\n1.6 quit\n";
+    const Outcome run = run_scripted({made_clip("bumps", 1).string()}, script, folder.path());
+    EXPECT_EQ(run.code, 0) << run.err;
+    const auto first = read_image(folder / "a.png"), second = read_image(folder / "b.png");
+    ASSERT_TRUE(first && second);
+    EXPECT_EQ(differences(*first, *second, {0, 0, 320, 240}), 0);
+}
+
 // What the front view tells of a finger: how near the surface is, how hard it is pressed, how the surface
 // gives way. By the figures of docs/play.md, on pictures of the window, whose plane is seen from the
 // front: there the force's arrow is a point.
