@@ -48,6 +48,9 @@ double fade(double ticks) {
     return p < 1 ? 1.0 - p * p * (3.0 - 2.0 * p) : 0.0;
 }
 
+/// The largest slope of `fade`, of the whole in a tick.
+constexpr double steepest_fade = 1.5 / JumpCancellation::fade_ticks;
+
 /// N/m; a softer spring exerts nothing.
 constexpr double least_stiffness = 1e-6;
 
@@ -247,10 +250,10 @@ dvec3 JumpCancellation::felt_jump(const Contact& contact) const {
 void JumpCancellation::reset() {
     surface_is_new_ = device_.waits_to_be_free;
     waiting_ = buried_ = false;
-    presence_ = 1;
-    jump_ = wanted_ = given_ = dvec3(0.0);
+    presence_ = share_ = 1;
+    wanted_ = given_ = goal_ = dvec3(0.0);
     ticks_ = fade_ticks;
-    rested_ = false;
+    weight_ = 0;
     stiffness_ = 0;
     near_hole_ = false;
 }
@@ -262,7 +265,6 @@ void JumpCancellation::follow_hole(const Contact& contact) {
     const bool near_hole = contact.hole_share > 0;
     if ((near_hole || near_hole_) && stiffness_ > least_stiffness) {
         const double scale = stiffness / stiffness_;
-        jump_ *= scale;
         wanted_ *= scale;
         given_ *= scale;
     }
@@ -270,84 +272,87 @@ void JumpCancellation::follow_hole(const Contact& contact) {
     near_hole_ = near_hole;
 }
 
-/// Fades from what the hand gets now to nothing.
-void JumpCancellation::fall_silent() {
-    jump_ = -given_;
-    ticks_ = 0;
-    if (given_ == dvec3(0.0)) presence_ = 0;
+/// The difference of the tick before, as far as it has faded by now.
+dvec3 JumpCancellation::faded_difference() {
+    const dvec3 difference = given_ - wanted_;
+    const double before = std::exchange(weight_, fade(ticks_)),
+                 length = std::sqrt(dot(difference, difference)), left = before > 0 ? weight_ / before : 0.0,
+                 most = steepest_fade * device_.max_force;
+    return (1.0 - left) * length > most ? difference * (1.0 - most / length) : difference * left;
 }
 
-void JumpCancellation::meet_new(const dvec3& force) {
-    surface_is_new_ = false;
-    waiting_ = device_.waits_to_be_free;
-    if (waiting_)
-        fall_silent();
-    else
-        begin(force);
-}
-
-void JumpCancellation::begin(const dvec3& jumped_force) {
-    const bool was_buried = buried_;
+/// The difference under a surface that has jumped, so that the hand gets what it got. `difference`: under
+/// the surface before.
+dvec3 JumpCancellation::begin(const dvec3& jumped_force, bool was_silent, const dvec3& difference) {
     buried_ = dot(jumped_force, jumped_force) > device_.max_force * device_.max_force;
-    const double before = rested_ ? fade(ticks_) : fade(ticks_ - 1);
-    if (buried_) {
-        const double left = std::min(before * std::sqrt(dot(jump_, jump_)), device_.max_force);
-        if (!was_buried)
-            fall_silent();
-        else if (left - std::sqrt(dot(given_, given_)) > largest_return * device_.max_force)
-            jump_ = -given_ / before;  // what the hand lost of it does not come back with the surface
-        return;
-    }
-    if (was_buried) {
-        jump_ = jumped_force - given_;
+    const bool silent = is_silent();
+    if (silent && was_silent) return difference;
+    if (silent || was_silent) {
+        if (silent && given_ == dvec3(0.0)) presence_ = 0;
         ticks_ = 0;
-        return;
+        weight_ = 1;
+        return silent ? given_ : given_ - jumped_force;
     }
     // The rest of an earlier jump fades on, from where it is. Both share one clock, set to the mean of
     // theirs, so that a series of small jumps is followed and not held back for ever.
     const dvec3 added = jumped_force - wanted_;
-    const double left = fade(ticks_) > 0 ? fade(ticks_) / before : 0.0;
-    const dvec3 rest = (wanted_ - given_) * left;
-    const double rest_n = std::sqrt(dot(rest, rest)), added_n = std::sqrt(dot(added, added));
+    const double rest_n = std::sqrt(dot(difference, difference)), added_n = std::sqrt(dot(added, added));
     ticks_ = rest_n > 0 ? ticks_ * (rest_n / (rest_n + added_n)) : 0.0;
-    jump_ = (rest + added) / fade(ticks_);
+    weight_ = fade(ticks_);
+    return difference - added;
+}
+
+/// The part of a change of the solver's force that is kept from the hand, under a goal that `moved`. What the
+/// hand's motion explains passes whole; the rest (a slip, a crest, a landing) passes in the share in which
+/// the hand gets the force.
+dvec3 JumpCancellation::withheld(const Contact& contact, const dvec3& change, const dvec3& felt,
+                                 const dvec3& moved) const {
+    const dvec3 stretch = contact.proxy - contact.goal;
+    const double change2 = dot(change, change), stretch2 = dot(stretch, stretch);
+    if (!(change2 > 0)) return change;
+    // Twice the spring's: a proxy that slides with friction, or round a bend, moves as well.
+    const double by_the_hand =
+        stretch2 > 0 ? 2.0 * std::sqrt(dot(felt, felt) * dot(moved, moved) / stretch2) : 0.0;
+    return change * ((1.0 - share_) * std::max(0.0, 1.0 - by_the_hand / std::sqrt(change2)));
 }
 
 BlendedForce JumpCancellation::calm(const Contact& contact) {
     if (!has_sound_forces(contact)) return {contact.force};
     follow_hole(contact);
     const double share = felt_share(contact.properties.stiffness);
-    const dvec3 felt = share * contact.force;
+    const dvec3 felt = share * contact.force, moved = contact.goal - std::exchange(goal_, contact.goal);
     // By far the most ticks: nothing jumped, and nothing fades.
-    if (!surface_is_new_ && !contact.jumped && !is_silent() && ticks_ >= fade_ticks && presence_ >= 1) {
+    if (!surface_is_new_ && !contact.jumped && !is_silent() && given_ == wanted_ && share_ >= 1 &&
+        presence_ >= 1) {
         wanted_ = given_ = felt;
         return {contact.force};
     }
+    const bool was_silent = is_silent(), is_new = contact.touching && std::exchange(surface_is_new_, false);
+    dvec3 from = wanted_, difference = contact.goal_held ? given_ - wanted_ : faded_difference();
     if (!contact.touching) {
         buried_ = false;
-        ticks_ = fade_ticks;
         presence_ = 1;
         // A finger without a known goal is not known to be free.
         if (!contact.goal_held) surface_is_new_ = waiting_ = false;
-    } else if (surface_is_new_) {
-        meet_new(felt);
-    } else if (contact.jumped && !waiting_) {
-        begin(felt_jump(contact));
+    } else if (is_new || (contact.jumped && !waiting_)) {
+        if (is_new) waiting_ = device_.waits_to_be_free;
+        from = is_new ? felt : felt_jump(contact);
+        difference = begin(from, was_silent, difference);
+        if (from != dvec3(0.0)) share_ = share_of(from + difference, from);
     }
+    if (!is_silent()) difference -= withheld(contact, felt - from, felt, moved);
     BlendedForce out;
     out.presence = presence_;
     out.waiting = waiting_ && contact.touching;
     wanted_ = is_silent() ? dvec3(0.0) : felt;
-    given_ = felt;
-    out.force = contact.force;
-    if (is_silent() || ticks_ < fade_ticks) {
-        given_ = within(felt, wanted_ - fade(ticks_) * jump_);
-        out.force = given_ / share;
-        if (!contact.goal_held) ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
-    }
-    rested_ = contact.goal_held;
-    if (!contact.goal_held)
+    given_ = within(felt, wanted_ + difference);
+    out.force = given_ == felt ? contact.force : given_ / share;
+    // In the air the share is that of the last contact, and comes back as a fade would bring it.
+    share_ = felt != dvec3(0.0) ? share_of(given_, felt) : std::min(1.0, share_ + steepest_fade);
+    if (!contact.goal_held) {
+        ticks_ = std::min(ticks_ + 1.0, static_cast<double>(fade_ticks));
         presence_ = std::clamp(presence_ + (is_silent() ? -1.0 : 1.0) / fade_ticks, 0.0, 1.0);
+    }
     out.difference = out.force - contact.force;
     out.active = out.difference != dvec3(0.0);
     return out;

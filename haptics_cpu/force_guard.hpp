@@ -242,14 +242,15 @@ struct BlendedForce {
 /// Keeps a surface that jumps under one finger (a cut, an object from the side, a late frame) from kicking
 /// the hand (docs/solver.md, Sudden change). With J the jump of the force at the previous tick's goal, the
 /// hand gets F - w J, and w goes smoothly from 1 to 0 in `fade_ticks`: no step when the surface jumps, and
-/// dF/dG is the spring's own, so nothing lags.
+/// dF/dG is the spring's own, so nothing lags. Of what F changes otherwise meanwhile (a slip, a crest, a
+/// landing) the hand gets the share in which it gets F.
 ///
 /// It only takes away: the result is never longer than F and never pulls against F. Overlapping jumps go on
-/// from the current result; the end of contact ends the fade at once. If a jump leaves the goal so deep that
-/// the spring exceeds what the device can bear (F_max / k), there is no force at all, until the goal surfaces
-/// or another jump brings it near. A new surface is a jump for a finger inside it; with `waits_to_be_free`
-/// there is then no force until the finger has been free once. Forces count as the device renders them:
-/// between two stiffnesses beyond its own, nothing jumps.
+/// from the current result. If a jump leaves the goal so deep that the spring exceeds what the device can
+/// bear (F_max / k), there is no force at all, until the goal surfaces or another jump brings it near. A new
+/// surface is a jump for a finger inside it; with `waits_to_be_free` there is then no force until the finger
+/// has been free once. Forces count as the device renders them: between two stiffnesses beyond its own,
+/// nothing jumps.
 ///
 /// While a goal is missing the fade rests: the hand gets what is left of its last force, and finds that force
 /// again, not one that has changed to another surface meanwhile.
@@ -273,22 +274,24 @@ private:
     double felt_share(double stiffness) const;
     glm::dvec3 felt_jump(const Contact& contact) const;
     bool is_silent() const { return buried_ || waiting_; }
-    void fall_silent();
-    void begin(const glm::dvec3& jumped_force);
+    glm::dvec3 faded_difference();
+    glm::dvec3 begin(const glm::dvec3& jumped_force, bool was_silent, const glm::dvec3& difference);
+    glm::dvec3 withheld(const Contact& contact, const glm::dvec3& change, const glm::dvec3& felt,
+                        const glm::dvec3& moved) const;
     void follow_hole(const Contact& contact);
-    void meet_new(const glm::dvec3& force);
 
     GuardSettings device_;
     bool surface_is_new_ = false;  // and not met yet
     bool waiting_ = false;         // inside a surface that was new, and not free since
     bool buried_ = false;          // by a jump, deeper than the device can bear
     double presence_ = 1;
-    glm::dvec3 jump_{0.0};       // J, at w = 1
     double ticks_ = fade_ticks;  // since w was 1, at the coming tick
-    bool rested_ = false;        // in the previous tick
-    // In the previous tick, as the device renders them (`felt_share`): what the hand would have got without
-    // J, and what it got.
+    // In the previous tick: w; the solver's force as the device renders it (`felt_share`; none in silence),
+    // what the hand got, and its share of the former, along it (in the air that of the last contact).
+    double weight_ = 0;
     glm::dvec3 wanted_{0.0}, given_{0.0};
+    double share_ = 1;
+    glm::dvec3 goal_{0.0};
     double stiffness_ = 0;    // N/m as the device renders it, previous tick; 0 out of contact
     bool near_hole_ = false;  // part of it came from holes
 };

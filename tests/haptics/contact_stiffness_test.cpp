@@ -25,7 +25,7 @@ const double step_energy = 0.5 * (stiff - soft) * depth * depth * 1e-6;
 constexpr double rounding = 1e-13;
 
 GuardSettings strong(bool paid) {
-    return {.max_force = 100, .ramp_in_ticks = 0, .rise = {.paid = paid}};
+    return {.max_force = 100, .ramp_in_ticks = 0, .rise = {paid, at_once.per_tick}};
 }
 
 /// A flat wall at 100, soft on the left of the axis and stiff on the right, without friction.
@@ -222,7 +222,7 @@ TEST(ContactStiffness, GroundWithoutStiffnessIsContact) {
         EXPECT_EQ(out.force, glm::dvec3(0.0)) << "nothing was lost that could pay for it";
         EXPECT_EQ(out.reasons, guard_rise);
     }
-    ForceGuard damped({.ramp_in_ticks = 0, .rise = {}, .damping = 5}, 0.001);
+    ForceGuard damped({.ramp_in_ticks = 0, .rise = at_once, .damping = 5}, 0.001);
     damped.guard(resting_on(0));
     EXPECT_EQ(damped.guard(arriving).force, glm::dvec3(0, 0, 2)) << "a hand at rest is not damped";
 }
@@ -678,7 +678,6 @@ TEST(HoleStiffness, JumpFadesInEvenly) {
         if (tick >= 60) hole_share = 0;
         const double k = scene_k + (hole_k - scene_k) * hole_share;
         Contact contact = pressing({0, 0, 0.001 * k * x}, k);
-        contact.proxy = contact.carried = {0, 0, x};
         contact.hole_share = hole_share;
         contact.carried_stiffness = k;
         contact.jumped = tick == 10;

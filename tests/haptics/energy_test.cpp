@@ -13,7 +13,7 @@ namespace touchable::test {
 namespace {
 
 GuardSettings damped(double b, double max_force = 10) {
-    return {.max_force = max_force, .ramp_in_ticks = 0, .rise = {}, .damping = b};
+    return {.max_force = max_force, .ramp_in_ticks = 0, .rise = at_once, .damping = b};
 }
 
 class DampedWall : public testing::Test {
@@ -119,7 +119,7 @@ protected:
         return contact;
     }
     static GuardSettings braked(double max_force = 1000) {
-        return {.max_force = max_force, .ramp_in_ticks = 0, .rise = {}, .passivity = 20};
+        return {.max_force = max_force, .ramp_in_ticks = 0, .rise = at_once, .passivity = 20};
     }
     /// On soft ground for some ticks.
     static ForceGuard drag(const GuardSettings& settings, int ticks) {
@@ -153,7 +153,7 @@ TEST_F(DraggedContact, DropsPushingDamper) {
 
 TEST_F(DraggedContact, DamperBridgesOutage) {
     SmallField wall(33, 33, 100.0, DepthSemantics::planar);
-    ForceGuard guard({.max_force = 1000, .rise = {}, .damping = 10}, 0.001);
+    ForceGuard guard({.max_force = 1000, .rise = at_once, .damping = 10}, 0.001);
     FingerState finger;
     const auto press = [&](int tick) {
         const Contact contact = wall.touch(finger, {0, 0, -99 - 0.2 * tick});  // 0.2 m/s
@@ -227,7 +227,7 @@ TEST_F(DraggedContact, DamperScalesWithPresence) {
 }
 
 TEST_F(DraggedContact, BrakeRampsWithSpring) {
-    ForceGuard guard = drag({.max_force = 1000, .rise = {}, .passivity = 20}, 50);
+    ForceGuard guard = drag({.max_force = 1000, .rise = at_once, .passivity = 20}, 50);
     for (int tick = 50; tick < 60; ++tick) {
         const GuardedForce out = guard.guard(tick == 50 ? arriving(50) : at(tick, 10, 10000));
         const double ramp = 0.01 * tick;
@@ -238,7 +238,7 @@ TEST_F(DraggedContact, BrakeRampsWithSpring) {
 }
 
 TEST_F(DraggedContact, BuriedForceGetsNothingAdded) {
-    FingerGuard guard({.ramp_in_ticks = 0, .rise = {}, .damping = 10, .passivity = 20}, 0.001);
+    FingerGuard guard({.ramp_in_ticks = 0, .rise = at_once, .damping = 10, .passivity = 20}, 0.001);
     // Into the ground at 0.05 m/s, 0.5 N of damper; then a cut raises the ground by 60 mm, and the hand goes
     // on, and back.
     double last = 0;
@@ -282,7 +282,8 @@ TEST_F(DraggedContact, DamperWaitsForFadingForce) {
 class Passivity : public GlobeFlank {
 protected:
     PathResult loop(double azimuth, bool limbward, double most) {
-        return GlobeFlank::loop(azimuth, 0.02, limbward, {.ramp_in_ticks = 0, .rise = {}, .passivity = most});
+        return GlobeFlank::loop(azimuth, 0.02, limbward,
+                                {.ramp_in_ticks = 0, .rise = at_once, .passivity = most});
     }
 };
 
@@ -367,7 +368,7 @@ TEST_F(Globe, PixelMetricCreatesMillijoules) {
 }
 
 TEST_F(Globe, LimitedForcesStayWithinBound) {
-    GuardSettings settings{.max_force = 0.7, .max_stiffness = 600, .ramp_in_ticks = 0, .rise = {}};
+    GuardSettings settings{.max_force = 0.7, .max_stiffness = 600, .ramp_in_ticks = 0, .rise = at_once};
     const PathResult result = loop(1.2, 0.02, true, settings);
     EXPECT_GT(result.ticks_with(guard_force), 100);
     EXPECT_GT(result.ticks_with(guard_stiffness), 200);
@@ -513,7 +514,7 @@ TEST(Energy, RampLoadsSpringAtRest) {
 // its limit and in the ramp.
 TEST(Energy, CancelledJumpCountsForSurface) {
     const auto surface_of_a_step = [](double depth, double newtons, int ramp_ticks) {
-        ForceGuard guard({.ramp_in_ticks = ramp_ticks, .rise = {}}, 0.001);
+        ForceGuard guard({.ramp_in_ticks = ramp_ticks, .rise = at_once}, 0.001);
         guard.guard(resting_at(depth));
         const EnergyFigures before =
             guard.guard_blended(resting_at(depth), {glm::dvec3(0, 0, newtons)}).energy;

@@ -41,7 +41,7 @@ TEST(ForceGuard, LimitSurvivesRounding) {
         GuardSettings settings{.max_force = random.within(0.1, 20),
                                .max_stiffness = random.within(500, 1500),
                                .ramp_in_ticks = 0,
-                               .rise = {}};
+                               .rise = at_once};
         ForceGuard guard(settings, 0.001);
         Contact contact = pressing(dvec3(0.0), random.within(500, 1500));
         const double most = k % 2 == 0 ? 40 : settings.max_force;  // far above the limit, and about it
@@ -85,7 +85,7 @@ TEST(ForceGuard, RampsInFromZero) {
 TEST(ForceGuard, RampsOutAtInvalidGoal) {
     SmallField wall(33, 33, 100.0);
     FingerState finger;
-    ForceGuard guard({.ramp_in_ticks = 10, .ramp_out_ticks = 10, .rise = {}}, 0.001);
+    ForceGuard guard({.ramp_in_ticks = 10, .ramp_out_ticks = 10, .rise = at_once}, 0.001);
     wall.touch(finger, {0, 0, -99});
     for (int k = 0; k < 20; ++k) guard.guard(wall.touch(finger, {0, 0, -102}));
     const double before = guard.guard(wall.touch(finger, {0, 0, -102})).force.z;
@@ -125,7 +125,7 @@ TEST(ForceGuard, FaultsNeverExceedRampStep) {
     SplitMix64 random(8);
     for (const int in : {1, 7, 100})
         for (const int out : {1, 10, 100}) {
-            ForceGuard guard({.ramp_in_ticks = in, .ramp_out_ticks = out, .rise = {}}, 0.001);
+            ForceGuard guard({.ramp_in_ticks = in, .ramp_out_ticks = out, .rise = at_once}, 0.001);
             double last = 0, least = 5, most = 0;
             for (int k = 0; k < 5000; ++k) {
                 const unsigned one_in = std::array{20U, 2U, 5U, 1U}[static_cast<std::size_t>(k / 500 % 4)];
@@ -143,7 +143,7 @@ TEST(ForceGuard, FaultsNeverExceedRampStep) {
 }
 
 TEST(ForceGuard, ZeroTickRampIsImmediate) {
-    ForceGuard guard({.ramp_in_ticks = 0, .ramp_out_ticks = 0, .rise = {}}, 0.001);
+    ForceGuard guard({.ramp_in_ticks = 0, .ramp_out_ticks = 0, .rise = at_once}, 0.001);
     EXPECT_EQ(guard.guard(five_newtons()).force.z, 5);
     EXPECT_EQ(guard.guard(without_goal()).force, dvec3(0.0));
     EXPECT_TRUE(guard.has_let_go());

@@ -154,7 +154,7 @@ TEST(HostileInput, ChecksEveryContactField) {
 
 // Time goes on by a tick at least, and no contact says otherwise.
 TEST(HostileInput, ZeroTicksCountAsOne) {
-    GuardSettings settings{.ramp_in_ticks = 0, .rise = {}, .damping = 10};
+    GuardSettings settings{.ramp_in_ticks = 0, .rise = at_once, .damping = 10};
     for (const int ticks : {0, -1, std::numeric_limits<int>::min()}) {
         FingerGuard hostile(settings, 0.001), good(settings, 0.001);
         for (int tick = 0; tick < 60; ++tick) {
@@ -195,7 +195,7 @@ TEST(HostileInput, AnyGoalGivesSafeForce) {
 }
 
 TEST(HostileInput, OverflowGivesZeroAndRestarts) {
-    GuardSettings settings{.max_force = 3, .rise = {}, .damping = 1e308};
+    GuardSettings settings{.max_force = 3, .rise = at_once, .damping = 1e308};
     FingerGuard guard(settings, 0.001), fresh(settings, 0.001);
     for (int tick = 0; tick < 150; ++tick) guard.guard(good_contact(tick));
     // A goal 1 km deeper at once: the damper is beyond all numbers.

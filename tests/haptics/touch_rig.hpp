@@ -53,6 +53,9 @@ FramePair pair_around(std::int64_t time_ns, const FrameRate& rate, FrameOf frame
     return pair;
 }
 
+/// Stiffness as the map has it.
+inline constexpr StiffnessRise at_once{.per_tick = std::numeric_limits<double>::infinity()};
+
 /// A tick of one finger.
 inline Contact tick_one(const TouchSolver& solver, const HeightField& field, FingerState& finger,
                         const dvec3& goal, int ticks = 1) {
@@ -66,6 +69,7 @@ inline Contact pressing(const dvec3& force, double stiffness = 1000) {
     Contact contact;
     contact.touching = true;
     contact.force = force;
+    contact.goal = -1000.0 / stiffness * force;  // a unit is a millimetre
     contact.properties.stiffness = stiffness;
     return contact;
 }
@@ -138,9 +142,9 @@ inline void append(Path& path, const Path& more) {
     path.insert(path.end(), more.begin(), more.end());
 }
 
-/// No ramp, so that all that happens is the solver's.
+/// No ramp and no slew, so that all that happens is the solver's.
 inline GuardSettings without_ramp() {
-    return {.ramp_in_ticks = 0, .rise = {}};
+    return {.ramp_in_ticks = 0, .rise = at_once};
 }
 
 /// A pair of small frames with depths set by hand; NaN is an invalid pixel.

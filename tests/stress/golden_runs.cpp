@@ -21,8 +21,8 @@ constexpr std::array<GoldenRun, 20> all_runs{{
     {"bumps-pixels", "916303851c49d2b3", "bumps", "stroke", 16, 1, TouchMetric::pixel},
     {"rough", "841c5a046fc79f94", "rough", "stroke"},
     {"rough-5-fingers", "177aed15b51d93ab", "rough", "stroke", 10, 5, TouchMetric::world, 0.3},
-    {"moving", "95215ece4cac6948", "moving", "stroke", 16, 1, TouchMetric::world, 0.6},
-    {"moving-held", "310259efb01f7476", "moving", "stroke", 16, 1, TouchMetric::world, 0, false, 0,
+    {"moving", "32e25f9d7d27a40a", "moving", "stroke", 16, 1, TouchMetric::world, 0.6},
+    {"moving-held", "375e9a60f8acb4ba", "moving", "stroke", 16, 1, TouchMetric::world, 0, false, 0,
      FrameInterpolation::hold},
     {"globe", "35b49a4e455e9b67", "globe", "stroke"},
     {"globe-planet", "c00db9a3c19bd255", "globe", "stroke", 16, 5, TouchMetric::world, 0, true},
@@ -37,7 +37,7 @@ constexpr std::array<GoldenRun, 20> all_runs{{
     {"spheres", "8eac3b076f9de557", "spheres", "skim", 16, 1, TouchMetric::world, 0.2},
     {"bumps-soft-holes", "eac4db4f6ef4b8ed", "bumps", "stroke", 8, 5, TouchMetric::world, 0.6, false, 0,
      FrameInterpolation::linear, 0.1},
-    {"moving-soft-holes", "f9dde1ddafef2b12", "moving", "stroke", 8, 1, TouchMetric::world, 0.3, false, 0,
+    {"moving-soft-holes", "06165e28c769c3bb", "moving", "stroke", 8, 1, TouchMetric::world, 0.3, false, 0,
      FrameInterpolation::linear, 0.05},
 }};
 

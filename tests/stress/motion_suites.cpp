@@ -375,6 +375,82 @@ private:
     GuardedForce last_;
 };
 
+/// Held pictures of walls, tents and waves that jump by up to 25 mm, under fingers that move as hands do.
+class JumpingWalls final : public StressRun {
+public:
+    JumpingWalls(const Scene& scene, SplitMix64 random) : StressRun(scene), random_(random), frames_(6) {
+        FrameMaker maker(scene_);
+        const double turn = random_.within(0, 2 * pi), length = random_.within(3, 12),
+                     height = chance(random_, 0.3) ? 0 : random_.within(2, 30);
+        const bool is_tent = chance(random_, 0.6), has_map = chance(random_, 0.3);
+        for (SurfaceFrame& frame : frames_) {
+            const double wall = 600 + random_.within(-12, 12),
+                         shift = chance(random_, 0.3) ? random_.unit() : 0;
+            DrawnPlanes planes = shaped(scene_, [&](int x, int y) {
+                const double along = (x * cosine(turn) + y * sine(turn)) / length + shift;
+                const double tent = 4 * std::fabs(along - std::floor(along + 0.5)) - 1;
+                return wall + height * (is_tent ? tent : sine(2 * pi * along));
+            });
+            if (has_map)
+                for (std::size_t k = 0; k < planes.codes.size(); ++k)
+                    planes.haptic.insert(planes.haptic.end(), {static_cast<std::uint8_t>(below(random_, 256)),
+                                                               static_cast<std::uint8_t>(128), 40});
+            maker.build(planes, frame);
+        }
+        fingers_.resize(1 + static_cast<std::size_t>(below(random_, 10)));
+        for (Finger& finger : fingers_) {
+            finger.middle = {random_.within(-100, 100), random_.within(-100, 100),
+                             random_.within(-620, -595)};
+            for (Sway& sway : finger.sways)
+                for (int axis = 0; axis < 3; ++axis) {
+                    sway.period[axis] = random_.within(100, 1500);
+                    sway.phase[axis] = random_.within(0, 2 * pi);
+                    // Up to 0.3 m/s, and not far in depth.
+                    sway.reach[axis] = std::min(axis == 2 ? 10.0 : 80.0,
+                                                random_.within(0, 0.3) * sway.period[axis] / (2 * pi));
+                }
+        }
+        guard_.waits_to_be_free = chance(random_, 0.3);
+        if (chance(random_, 0.2)) guard_.max_stiffness = random_.within(200, 800);
+    }
+    std::size_t fingers() const override { return fingers_.size(); }
+
+    void next(std::int64_t tick, FramePair& pair, std::span<glm::dvec3> goals) override {
+        if (tick == next_jump_) {
+            next_jump_ += 5 + below(random_, 150);
+            pair_.prev = pair_.next = {++number_, tick * tick_ns,
+                                       &frames_[static_cast<std::size_t>(below(random_, 6))]};
+            if (chance(random_, 0.3)) ++pair_.epoch;
+        }
+        pair = pair_;
+        if (tick >= missing_until_ && chance(random_, 0.002)) missing_until_ = tick + 1 + below(random_, 60);
+        for (std::size_t k = 0; k < goals.size(); ++k) goals[k] = fingers_[k].at(static_cast<double>(tick));
+        if (tick < missing_until_) goals[0].x = std::numeric_limits<double>::quiet_NaN();
+    }
+
+private:
+    struct Sway {
+        glm::dvec3 period, phase, reach;
+    };
+    struct Finger {
+        glm::dvec3 middle{0};
+        std::array<Sway, 2> sways{};
+        glm::dvec3 at(double tick) const {
+            glm::dvec3 at = middle;
+            for (const Sway& sway : sways)
+                for (int axis = 0; axis < 3; ++axis)
+                    at[axis] += sway.reach[axis] * sine(2 * pi * tick / sway.period[axis] + sway.phase[axis]);
+            return at;
+        }
+    };
+
+    SplitMix64 random_;
+    std::vector<SurfaceFrame> frames_;
+    std::vector<Finger> fingers_;
+    FramePair pair_{};
+    std::int64_t number_ = 0, next_jump_ = 0, missing_until_ = 0;
+};
+
 template <class Run>
 std::unique_ptr<StressRun> live(std::uint64_t seed) {
     SplitMix64 random(seed);
@@ -389,6 +465,20 @@ std::unique_ptr<StressRun> make_late_frames(std::uint64_t seed) {
 }
 std::unique_ptr<StressRun> make_stopped_producer(std::uint64_t seed) {
     return live<StoppedProducer>(seed);
+}
+std::unique_ptr<StressRun> make_jumping_walls(std::uint64_t seed) {
+    SplitMix64 random(seed);
+    Scene scene;
+    scene.width = scene.height = 24;
+    scene.camera = {random.within(20, 80), random.within(20, 80), random.within(6, 18), random.within(6, 18)};
+    scene.depth.semantics = DepthSemantics::planar;
+    set_planes(scene, DepthCodingKind::linear, 500, 700, 16);
+    scene.interpolation = FrameInterpolation::hold;
+    scene.device_metres_per_unit = 0.001;
+    const double friction = chance(random, 0.7) ? random.within(0.1, 1) : 0;
+    scene.default_properties = {random.within(150, 1200), friction, friction * random.within(0.1, 1)};
+    scene.haptic = {{0.1, random.within(0.2, 2)}, {0, 1}, {0, 1}};
+    return std::make_unique<JumpingWalls>(scene, random);
 }
 
 }  // namespace touchable::stress

@@ -19,7 +19,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr Needs some_contact{};
 constexpr Needs little_contact{0.02};
 
-constexpr std::array<Suite, 24> all_suites{{
+constexpr std::array<Suite, 25> all_suites{{
     {"uniform-noise", "every pixel for itself over the whole range", make_uniform_noise, some_contact},
     {"checkerboard", "cliffs from near to far, 1 to 3 pixels apart", make_checkerboard, some_contact},
     {"staircase", "ramps of single codes", make_staircase, some_contact},
@@ -60,6 +60,11 @@ constexpr std::array<Suite, 24> all_suites{{
     {"stopped-producer",
      "frames that stop coming under a moving, then a resting hand",
      make_stopped_producer,
+     {0.15, true}},
+    {"jumping-walls",
+     "walls and crests that jump under up to ten fingers, with friction, stiffness and goals that come and "
+     "go",
+     make_jumping_walls,
      {0.15, true}},
 }};
 

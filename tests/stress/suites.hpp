@@ -116,6 +116,7 @@ std::unique_ptr<StressRun> make_rising(std::uint64_t seed);
 std::unique_ptr<StressRun> make_cut_every_frame(std::uint64_t seed);
 std::unique_ptr<StressRun> make_late_frames(std::uint64_t seed);
 std::unique_ptr<StressRun> make_stopped_producer(std::uint64_t seed);
+std::unique_ptr<StressRun> make_jumping_walls(std::uint64_t seed);
 
 std::unique_ptr<StressRun> make_press_slide_retract(std::uint64_t seed);
 std::unique_ptr<StressRun> make_stiffness_boundary(std::uint64_t seed);

@@ -91,6 +91,68 @@ double length(const glm::dvec3& v) {
     return std::sqrt(glm::dot(v, v));
 }
 
+/// A force under the stiffness that the device renders.
+glm::dvec3 rendered(const glm::dvec3& force, double stiffness, const GuardSettings& device) {
+    return force * std::min(1.0, device.max_stiffness / std::max(stiffness, 1e-9));
+}
+
+/// How far a force is from those that `own` allows: no longer than it, and with no component against it.
+double forbidden(const glm::dvec3& force, const glm::dvec3& own) {
+    const double squared = glm::dot(own, own);
+    if (squared == 0) return length(force);
+    const glm::dvec3 with = force - own * (std::min(0.0, glm::dot(force, own)) / squared);
+    return length(force - with * std::min(1.0, std::sqrt(squared) / std::max(length(with), 1e-12)));
+}
+
+/// The law of steps (docs/solver.md, Sudden change), of one finger.
+struct Steps {
+    glm::dvec3 sent{0.0}, own{0.0}, goal{0.0};  // of the tick before; own: the solver's
+    double share = 1;                           // of its own force that the hand got
+    double ramp = 0, last_ramp = 0;             // the guard's
+    double missed = 0;                          // N of changes without a goal
+    double stiffness = 0;                       // N/m, as the device renders it
+    bool near_hole = false, rises = false;      // stiffness is a hole's in part; it rose
+    std::uint32_t reasons = 0;
+    int missing = 0;  // ticks without a goal
+
+    /// By how much the force that is sent may change in this tick, newtons: by what the hand's motion (twice:
+    /// a proxy that slides or turns moves as well) and the hand's share of all other changes explain, the
+    /// fade, and what the solver's force does not allow any more. Takes over the tick.
+    double most(const Contact& contact, const GuardedForce& out, const GuardSettings& device, double scale) {
+        const double map = contact.properties.stiffness, k = std::min(map, device.max_stiffness),
+                     carried = contact.carried_stiffness.value_or(map),
+                     steepest = 1.5 / JumpCancellation::fade_ticks;
+        const glm::dvec3 force = rendered(contact.force, map, device),
+                         from = contact.jumped ? rendered(contact.jumped_force, carried, device) : own;
+        const double whole = std::min(length(from), device.max_force);
+        share = std::min(1.0, whole > 0 ? length(sent) / whole : share + steepest);
+        missed += share * length(force - from);
+        // Near a hole all forces fall with the stiffness.
+        if (std::exchange(near_hole, contact.hole_share > 0) || near_hole)
+            missed += length(sent) * std::max(0.0, 1 - k / stiffness);
+        missing = contact.goal_held ? missing + 1 : 0;
+        if (missing == 0) last_ramp = ramp;
+        double most = steepest * device.max_force;
+        if ((out.reasons | reasons) & (guard_ramp | guard_fault))
+            most += device.max_force / std::min(device.ramp_in_ticks, device.ramp_out_ticks);
+        rises = ((out.reasons | reasons) & guard_rise) != 0;
+        if (rises) most += std::min(device.rise.per_tick, 1e6) * scale * length(contact.proxy - contact.goal);
+        if (missing == 0) {
+            most += 2 * k * scale * length(contact.goal - goal) + forbidden(sent, ramp * force) +
+                    std::exchange(missed, 0.0);
+            ramp = std::min(1.0, ramp + 1.0 / device.ramp_in_ticks);
+        } else {
+            ramp = last_ramp * std::max(0.0, 1.0 - 1.0 * missing / device.ramp_out_ticks);
+        }
+        stiffness = k;
+        sent = out.force;
+        own = force;
+        goal = contact.goal;
+        reasons = out.reasons;
+        return most;
+    }
+};
+
 /// One run under watch.
 class Watch {
 public:
@@ -104,6 +166,7 @@ public:
         }
         TouchStep step(*solver, run_.guard(), static_cast<int>(run_.fingers()));
         energy_.resize(run_.fingers());
+        steps_.resize(run_.fingers());
         std::vector<FingerState> before(run_.fingers());
         FramePair pair;
         std::int64_t last_number = -1;
@@ -191,6 +254,10 @@ private:
         if (!contact.touching && length(contact.force) != 0)
             violate(done.tick, k, "S4: a force without contact");
         expect_at_most(contact.counts.events, run_.touch().event_limit, done, k, "S5: the number of events");
+        const double step = length(done.forces[k].force - steps_[k].sent);
+        const double allowed =
+            steps_[k].most(contact, done.forces[k], run_.guard(), run_.touch().metres_per_scene_unit);
+        expect_at_most(step, allowed + 1e-9 * (1 + length(contact.force)), done, k, "S9: the step of force");
     }
 
     /// Energy created in a tick; a stiffness that differs from place to place may create some and take it
@@ -207,7 +274,7 @@ private:
         if (run_.guard().rise.paid)
             expect_at_most(now.created, now.bound + rounding, done, k, "S7: joules from nowhere");
         else if (done.pair.prev.frame->haptic.empty() && done.pair.next.frame->haptic.empty() &&
-                 !run_.scene().hole_stiffness)
+                 !run_.scene().hole_stiffness && !steps_[k].rises)
             expect_at_most(now.balance() - last.balance(), now.bound - last.bound + rounding, done, k,
                            "S7: joules from nowhere in a tick");
     }
@@ -273,6 +340,7 @@ private:
     Watched out_;
     ForceHash hash_;
     std::vector<EnergyFigures> energy_;  // of each finger, up to the tick before
+    std::vector<Steps> steps_;           // of each finger
 };
 
 }  // namespace

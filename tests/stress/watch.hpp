@@ -62,6 +62,8 @@ public:
 ///   S4 |F| is at most the guard's, and 0 out of contact    S5 no more events than the limit
 ///   S7 no more energy comes from nowhere than holding a force for a tick explains: in each tick where
 ///      stiffness is the same everywhere, since the start where its rise has to be paid for
+///   S9 the force that is sent changes by no more than the hand's motion, the hand's share of what the
+///      solver's own force changes otherwise, and the fade explain (docs/solver.md, Sudden change)
 /// and at those asked for:
 ///   S8 stiffness is the reference's
 ///   S2 the certificate: a minimum of the distance, or held by friction; capped ticks are exempt
