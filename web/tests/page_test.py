@@ -389,7 +389,8 @@ class Page(unittest.TestCase):
     def test_an_updated_clip_is_seen(self):
         if self.browser.name != "Chromium":
             self.skipTest("it cannot be told to stand still")
-        moving, begun = CLIPS.folder / "made/moving.mkv", "return touchable.clip.frames === %d && touchable.state.frame >= 0"
+        moving = CLIPS.folder / "made/moving.mkv"
+        begun = "return touchable.clip.frames === %d && touchable.state.frame >= 0"
         CLIPS.make("moving", moving, "--frames", 32)  # more than the page fetches at first
         CLIPS.pack(moving, "site")
         for_ever = {"Cache-Control": "max-age=31536000, immutable"}
