@@ -125,7 +125,7 @@ Result<void> read_list(const PlayWords& words, PlayOptions& options) {
     for (const auto& word : words.more_clips)
         for (auto& file : clips_of(word)) files.push_back(std::move(file));
     std::error_code failure;
-    // A missing clip of several is told in the window and skipped, as one that cannot be read.
+    // The window names a missing clip of several and skips it, as one that cannot be read.
     if (std::ranges::none_of(files, [&](const auto& file) {
             return is_stream_url(file.string()) || fs::exists(file, failure);
         }))
