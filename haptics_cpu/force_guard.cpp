@@ -176,9 +176,19 @@ void EnergyAccount::lose_goal() {
     held_ = blended_ = spring_force_ = dvec3(0.0);
 }
 
+/// Whether JumpCancellation brings on the stiffness.
+bool ContactStiffness::has_jumped(const Contact& contact) const {
+    return contact.jumped && !rise_.paid && !from_hole_ && contact.hole_share == 0;
+}
+
 std::optional<double> ContactStiffness::carried(const Contact& contact) const {
-    if (!limited_ || !contact.carried_stiffness) return contact.carried_stiffness;
+    if (!limited_ || !contact.carried_stiffness || has_jumped(contact)) return contact.carried_stiffness;
     return std::min(*contact.carried_stiffness, stiffness_);
+}
+
+double ContactStiffness::held(const Contact& contact) const {
+    const double map = contact.properties.stiffness;
+    return limited_ ? std::min(map, stiffness_) : map;
 }
 
 /// The stiffness of the next tick of a contact.
@@ -205,7 +215,7 @@ double ContactStiffness::in_effect(const Contact& contact, const EnergyAccount& 
     from_hole_ = from_hole_ || contact.hole_share > 0;
     if (!rise_.limited() && !from_hole_) return map;
     const std::optional<double> carried = this->carried(contact);
-    if (carried && contact.touching) {
+    if (carried && contact.touching && !has_jumped(contact)) {
         stiffness_ = risen(*carried, map, account);
     } else {
         paid_ = 0;
@@ -242,9 +252,10 @@ double JumpCancellation::felt_share(double stiffness) const {
 }
 
 /// What the hand would feel of the jump alone.
-dvec3 JumpCancellation::felt_jump(const Contact& contact) const {
-    return felt_share(contact.carried_stiffness.value_or(contact.properties.stiffness)) *
-           contact.jumped_force;
+dvec3 JumpCancellation::felt_jump(const Contact& contact, double stiffness) const {
+    const double there = contact.carried_stiffness.value_or(contact.properties.stiffness);
+    const bool rises = stiffness < contact.properties.stiffness && stiffness < there;
+    return felt_share(rises ? stiffness : there) * (rises ? stiffness / there : 1.0) * contact.jumped_force;
 }
 
 void JumpCancellation::reset() {
@@ -260,8 +271,8 @@ void JumpCancellation::reset() {
 
 /// The guard spreads the effect of a hole on stiffness (ContactStiffness), by the force of the spring at the
 /// new stiffness. So the remembered spring forces are scaled with it: a jump is how far the surface jumped.
-void JumpCancellation::follow_hole(const Contact& contact) {
-    const double stiffness = std::min(contact.properties.stiffness, device_.max_stiffness);
+void JumpCancellation::follow_hole(const Contact& contact, double in_effect) {
+    const double stiffness = std::min(in_effect, device_.max_stiffness);
     const bool near_hole = contact.hole_share > 0;
     if ((near_hole || near_hole_) && stiffness_ > least_stiffness) {
         const double scale = stiffness / stiffness_;
@@ -316,10 +327,11 @@ dvec3 JumpCancellation::withheld(const Contact& contact, const dvec3& change, co
     return change * ((1.0 - share_) * std::max(0.0, 1.0 - by_the_hand / std::sqrt(change2)));
 }
 
-BlendedForce JumpCancellation::calm(const Contact& contact) {
+BlendedForce JumpCancellation::calm(const Contact& contact, double stiffness) {
     if (!has_sound_forces(contact)) return {contact.force};
-    follow_hole(contact);
-    const double share = felt_share(contact.properties.stiffness);
+    follow_hole(contact, stiffness);
+    const double map = contact.properties.stiffness,
+                 share = felt_share(stiffness) * (stiffness < map ? stiffness / map : 1.0);
     const dvec3 felt = share * contact.force, moved = contact.goal - std::exchange(goal_, contact.goal);
     // By far the most ticks: nothing jumped, and nothing fades.
     if (!surface_is_new_ && !contact.jumped && !is_silent() && given_ == wanted_ && share_ >= 1 &&
@@ -336,7 +348,7 @@ BlendedForce JumpCancellation::calm(const Contact& contact) {
         if (!contact.goal_held) surface_is_new_ = waiting_ = false;
     } else if (is_new || (contact.jumped && !waiting_)) {
         if (is_new) waiting_ = device_.waits_to_be_free;
-        from = is_new ? felt : felt_jump(contact);
+        from = is_new ? felt : felt_jump(contact, stiffness);
         difference = begin(from, was_silent, difference);
         if (from != dvec3(0.0)) share_ = share_of(from + difference, from);
     }
@@ -346,7 +358,7 @@ BlendedForce JumpCancellation::calm(const Contact& contact) {
     out.waiting = waiting_ && contact.touching;
     wanted_ = is_silent() ? dvec3(0.0) : felt;
     given_ = within(felt, wanted_ + difference);
-    out.force = given_ == felt ? contact.force : given_ / share;
+    out.force = given_ == felt || share == 0 ? contact.force : given_ / share;
     // In the air the share is that of the last contact, and comes back as a fade would bring it.
     share_ = felt != dvec3(0.0) ? share_of(given_, felt) : std::min(1.0, share_ + steepest_fade);
     if (!contact.goal_held) {
@@ -475,19 +487,22 @@ GuardedForce ForceGuard::begin_anew() {
     return {dvec3(0.0), guard_fault, {}};
 }
 
+double ForceGuard::meet(const Contact& contact, double surface_share) {
+    if (contact.goal_held || !is_sound(contact, {contact.force})) return stiffness_.held(contact);
+    ramp_ = ticks_in_ < settings_.ramp_in_ticks ? ticks_in_ / settings_.ramp_in_ticks : 1.0;
+    account_.move(contact, stiffness_.carried(contact), ramp_ * surface_share);
+    const double stiffness = stiffness_.in_effect(contact, account_);
+    account_.store(stiffness);
+    return stiffness;
+}
+
 GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blended, bool is_blended,
-                               double surface_share) {
+                               double stiffness, double surface_share) {
     ticks_held_ = std::min(ticks_held_ + std::clamp(contact.ticks, 1, longest_ticks), longest_ticks);
     if (contact.goal_held || !is_sound(contact, blended)) return ramp_out(surface_share);
     ticks_faulty_ = 0;
     const int ticks = std::exchange(ticks_held_, 0);
     const bool ramping = ticks_in_ < settings_.ramp_in_ticks;
-    ramp_ = ramping ? ticks_in_ / settings_.ramp_in_ticks : 1.0;
-    const double felt_share = ramp_ * surface_share;
-
-    account_.move(contact, stiffness_.carried(contact), felt_share);
-    const double stiffness = stiffness_.in_effect(contact, account_);
-    account_.store(stiffness);
     GuardedForce out;
     out.force = spring(contact, blended.force, stiffness, out.reasons);
     GuardedForce alone = out;  // without damper and brake
@@ -506,7 +521,7 @@ GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blend
     dvec3 by_the_jump(0.0);
     if (is_blended) {
         limit(alone);
-        by_the_jump = felt_share * alone.force - account_.spring_force();
+        by_the_jump = ramp_ * surface_share * alone.force - account_.spring_force();
         out.reasons |= guard_jump;
     }
     account_.hold(out.force, by_the_jump);
@@ -517,9 +532,10 @@ GuardedForce ForceGuard::guard(const Contact& contact, const BlendedForce& blend
 }
 
 GuardedForce FingerGuard::guard(const Contact& contact, double surface_share) {
-    const BlendedForce blended = jump_.calm(contact);
-    GuardedForce out = blended.active ? guard_.guard_blended(contact, blended, surface_share)
-                                      : guard_.guard(contact, surface_share);
+    const double stiffness = guard_.meet(contact, surface_share);
+    const BlendedForce blended = jump_.calm(contact, stiffness);
+    GuardedForce out = guard_.guard(contact, blended.active ? blended : BlendedForce{contact.force},
+                                    blended.active, stiffness, surface_share);
     if ((out.reasons & guard_fault) && guard_.has_begun_anew()) jump_.reset();
     if (blended.waiting) out.reasons |= guard_waiting;
     return out;

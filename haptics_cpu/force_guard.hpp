@@ -132,7 +132,7 @@ private:
 struct StiffnessRise {
     /// Rises only as far as this contact's losses pay for: a map of stiffness creates no energy.
     bool paid = false;
-    double per_tick = std::numeric_limits<double>::infinity();  ///< N/m
+    double per_tick = 4;  ///< N/m; infinite: as fast as the map
 
     bool limited() const { return paid || per_tick < std::numeric_limits<double>::infinity(); }
 };
@@ -152,9 +152,12 @@ public:
     std::optional<double> carried(const Contact& contact) const;
     /// N/m at the proxy; 0 out of contact. To be called after `account.move`.
     double in_effect(const Contact& contact, const EnergyAccount& account);
+    /// N/m at the proxy while the goal is missing.
+    double held(const Contact& contact) const;
     void lift() { limited_ = from_hole_ = false; }
 
 private:
+    bool has_jumped(const Contact& contact) const;
     double risen(double before, double map, const EnergyAccount& account);
 
     StiffnessRise rise_;
@@ -176,8 +179,8 @@ struct GuardSettings {
     /// To zero after goals stop being finite; 0 or more, 0 counts as 1. Too short: a hand that presses falls
     /// forward. Too long: it is pushed on although its position is unknown.
     int ramp_out_ticks = 100;
-    /// How stiffness may rise in contact; by default as the map does, and a hand that moves over the map gets
-    /// pushes that it did not pay for.
+    /// How stiffness may rise in contact. Too fast: a hand that slips onto a stiffer place is kicked. Unpaid,
+    /// as by default: a hand that moves over the map gets pushes that it did not pay for.
     StiffnessRise rise;
     /// N s/m, 0 or more. Too high: noise of the measured speed becomes force, and the handle vibrates.
     double damping = 0;
@@ -262,7 +265,9 @@ public:
     static constexpr int fade_ticks = 100;
 
     explicit JumpCancellation(const GuardSettings& device) : device_(device) { reset(); }
-    BlendedForce calm(const Contact& contact);
+    /// `stiffness`: in effect at the proxy, N/m (ContactStiffness).
+    BlendedForce calm(const Contact& contact, double stiffness);
+    BlendedForce calm(const Contact& contact) { return calm(contact, contact.properties.stiffness); }
     /// The next contact is with a surface that is new to the finger, as the first one is (without waiting,
     /// the guard's ramp is its fade).
     void surface_is_new() { surface_is_new_ = true; }
@@ -272,13 +277,13 @@ public:
 private:
     /// Share of a spring of this stiffness (N/m) that the device renders: all up to its own.
     double felt_share(double stiffness) const;
-    glm::dvec3 felt_jump(const Contact& contact) const;
+    glm::dvec3 felt_jump(const Contact& contact, double stiffness) const;
     bool is_silent() const { return buried_ || waiting_; }
     glm::dvec3 faded_difference();
     glm::dvec3 begin(const glm::dvec3& jumped_force, bool was_silent, const glm::dvec3& difference);
     glm::dvec3 withheld(const Contact& contact, const glm::dvec3& change, const glm::dvec3& felt,
                         const glm::dvec3& moved) const;
-    void follow_hole(const Contact& contact);
+    void follow_hole(const Contact& contact, double in_effect);
 
     GuardSettings device_;
     bool surface_is_new_ = false;  // and not met yet
@@ -330,13 +335,20 @@ public:
     ForceGuard(const GuardSettings& settings, double metres_per_scene_unit);
     /// `surface_share`: share of the surface that is felt (StaleSurface).
     GuardedForce guard(const Contact& contact, double surface_share = 1) {
-        return guard(contact, {contact.force}, false, surface_share);
+        const double stiffness = meet(contact, surface_share);
+        return guard(contact, {contact.force}, false, stiffness, surface_share);
     }
     /// After a jump of the surface: `blended` replaces the contact's force.
     GuardedForce guard_blended(const Contact& contact, const BlendedForce& blended,
                                double surface_share = 1) {
-        return guard(contact, blended, true, surface_share);
+        const double stiffness = meet(contact, surface_share);
+        return guard(contact, blended, true, stiffness, surface_share);
     }
+    /// The first half of a tick: books what surface and goal did, and returns the stiffness in effect, N/m.
+    double meet(const Contact& contact, double surface_share);
+    /// The second half, with that stiffness; `is_blended`: `blended` is not the contact's force.
+    GuardedForce guard(const Contact& contact, const BlendedForce& blended, bool is_blended, double stiffness,
+                       double surface_share);
     /// Whether goals have been missing for so long that no force is left: the next goal is a new beginning.
     bool has_let_go() const { return ticks_faulty_ >= ramp_out_ticks(); }
     /// Sets the state after missing goals: the hand was left alone, and its force has ended.
@@ -349,8 +361,6 @@ private:
     int ramp_out_ticks() const;
     bool is_sound(const Contact& contact, const BlendedForce& blended) const;
     GuardedForce ramp_out(double surface_share);
-    GuardedForce guard(const Contact& contact, const BlendedForce& blended, bool is_blended,
-                       double surface_share);
     glm::dvec3 spring(const Contact& contact, const glm::dvec3& force, double stiffness,
                       std::uint32_t& reasons) const;
     void brake(const Contact& contact, const BlendedForce& blended, double stiffness, int ticks,

@@ -211,6 +211,7 @@ void read_guard(const Node& limits, GuardSettings& guard) {
     guard.ramp_out_ticks = limits["ramp_out_ticks"].whole(0, 1'000'000);
     read_stated(limits, "waits_to_be_free", guard.waits_to_be_free);
     read_stated(limits, "paid_rise", guard.rise.paid);
+    guard.rise.per_tick = std::numeric_limits<double>::infinity();
     read_stated(limits, "rise_per_tick", guard.rise.per_tick);
     read_stated(limits, "damping", guard.damping);
     read_stated(limits, "passivity", guard.passivity);

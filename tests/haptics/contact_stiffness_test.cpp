@@ -149,7 +149,7 @@ TEST_F(TwoStiffnesses, LeavesConstantStiffnessAlone) {
 }
 
 TEST_F(TwoStiffnesses, SlewsRisesOnly) {
-    // The map changes under a finger at rest, from one tick to the next.
+    // The map changes under a finger at rest, from one tick to the next, and is taken for what it slips onto.
     auto stiff_everywhere = wall.prev.haptic;
     for (auto& value : stiff_everywhere) value = 255;
     GuardSettings settings = strong(false);
@@ -163,7 +163,9 @@ TEST_F(TwoStiffnesses, SlewsRisesOnly) {
     double last = before;
     wall.prev.haptic.swap(stiff_everywhere);
     for (int k = 1; k <= 98; ++k) {
-        const GuardedForce out = guard.guard(wall.touch(finger, goal));
+        Contact slipped = wall.touch(finger, goal);
+        slipped.jumped = false;
+        const GuardedForce out = guard.guard(slipped);
         ASSERT_EQ(out.reasons, guard_rise);
         ASSERT_NEAR(out.force.z - last, 100 * depth * 1e-3, 1e-9);
         last = out.force.z;
@@ -172,6 +174,23 @@ TEST_F(TwoStiffnesses, SlewsRisesOnly) {
     // Down again at once.
     wall.prev.haptic.swap(stiff_everywhere);
     EXPECT_NEAR(guard.guard(wall.touch(finger, goal)).force.z, before, 1e-9);
+}
+
+// From 600 to 900 N/m, under a goal that moves by 0.01 mm.
+TEST(ContactStiffness, SlipOntoStifferGroundDoesNotKick) {
+    FingerGuard guard({.ramp_in_ticks = 0, .rise = {}}, 0.001);
+    const auto on = [](double stiffness, double carried, double depth) {
+        Contact contact = pressing({0, 0, 0.001 * stiffness * depth}, stiffness);
+        contact.carried_stiffness = carried;
+        return contact;
+    };
+    double last = guard.guard(on(600, 600, 10)).force.z;
+    for (int tick = 0; tick < 75; ++tick) {
+        const double force = guard.guard(on(900, tick == 0 ? 600 : 900, 10.01)).force.z;
+        EXPECT_LE(force - last, 0.6 * 0.01 + 0.01001 * StiffnessRise{}.per_tick + 1e-9) << tick;
+        last = force;
+    }
+    EXPECT_NEAR(last, 9.009, 1e-9);
 }
 
 /// A finger at rest, 2 mm deep, on ground of that stiffness.

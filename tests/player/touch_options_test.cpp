@@ -286,9 +286,9 @@ TEST_F(TouchShaping, EachOptionReplaysExactly) {
 
 TEST_F(TouchShaping, GuardMarksChangedForces) {
     make("globe");
-    EXPECT_EQ(rows_with(16 | 32 | 64, {}), 0);
+    EXPECT_EQ(rows_with(16 | 32 | 64, {"--stiffness-slew", "1e9"}), 0);
     EXPECT_GT(rows_with(16, {"--stiffness", "passive"}), 5);
-    EXPECT_GT(rows_with(16, {"--stiffness-slew", "5"}), 5);
+    EXPECT_GT(rows_with(16, {}), 5);
     EXPECT_GT(rows_with(32, {"--damping", "3"}), 100);
 }
 

@@ -25,7 +25,7 @@ constexpr std::array<GoldenRun, 20> all_runs{{
     {"moving-held", "375e9a60f8acb4ba", "moving", "stroke", 16, 1, TouchMetric::world, 0, false, 0,
      FrameInterpolation::hold},
     {"globe", "35b49a4e455e9b67", "globe", "stroke"},
-    {"globe-planet", "c00db9a3c19bd255", "globe", "stroke", 16, 5, TouchMetric::world, 0, true},
+    {"globe-planet", "3dfebb33a4c8e124", "globe", "stroke", 16, 5, TouchMetric::world, 0, true},
     {"globe-pixels", "c577a9b47a62943a", "globe", "stroke", 16, 1, TouchMetric::pixel},
     {"noise", "9ca9810cf8ba486a", "noise", "walk"},
     {"noise-median", "a8259be27f89693f", "noise", "walk", 8, 5, TouchMetric::world, 0.4, false, 5},
@@ -35,9 +35,9 @@ constexpr std::array<GoldenRun, 20> all_runs{{
     {"plane", "8fb72ff71b7703ae", "plane", "skim", 16, 5, TouchMetric::world, 0.5},
     {"step", "d06095e85b28066e", "step", "skim", 8, 1, TouchMetric::world, 0.5},
     {"spheres", "8eac3b076f9de557", "spheres", "skim", 16, 1, TouchMetric::world, 0.2},
-    {"bumps-soft-holes", "eac4db4f6ef4b8ed", "bumps", "stroke", 8, 5, TouchMetric::world, 0.6, false, 0,
+    {"bumps-soft-holes", "3e5d0909955dffc3", "bumps", "stroke", 8, 5, TouchMetric::world, 0.6, false, 0,
      FrameInterpolation::linear, 0.1},
-    {"moving-soft-holes", "06165e28c769c3bb", "moving", "stroke", 8, 1, TouchMetric::world, 0.3, false, 0,
+    {"moving-soft-holes", "c1df7d36b47c26d8", "moving", "stroke", 8, 1, TouchMetric::world, 0.3, false, 0,
      FrameInterpolation::linear, 0.05},
 }};
 

@@ -91,11 +91,6 @@ double length(const glm::dvec3& v) {
     return std::sqrt(glm::dot(v, v));
 }
 
-/// A force under the stiffness that the device renders.
-glm::dvec3 rendered(const glm::dvec3& force, double stiffness, const GuardSettings& device) {
-    return force * std::min(1.0, device.max_stiffness / std::max(stiffness, 1e-9));
-}
-
 /// How far a force is from those that `own` allows: no longer than it, and with no component against it.
 double forbidden(const glm::dvec3& force, const glm::dvec3& own) {
     const double squared = glm::dot(own, own);
@@ -104,13 +99,20 @@ double forbidden(const glm::dvec3& force, const glm::dvec3& own) {
     return length(force - with * std::min(1.0, std::sqrt(squared) / std::max(length(with), 1e-12)));
 }
 
+/// The force of a surface that jumped, at the stiffness in effect.
+glm::dvec3 jumped_to(const Contact& contact, double stiffness, const GuardSettings& device) {
+    const double map = contact.properties.stiffness, there = contact.carried_stiffness.value_or(map),
+                 most = stiffness < map ? stiffness : device.max_stiffness;
+    return contact.jumped_force * (there > 0 ? std::min(1.0, most / there) : 1.0);
+}
+
 /// The law of steps (docs/solver.md, Sudden change), of one finger.
 struct Steps {
     glm::dvec3 sent{0.0}, own{0.0}, goal{0.0};  // of the tick before; own: the solver's
     double share = 1;                           // of its own force that the hand got
     double ramp = 0, last_ramp = 0;             // the guard's
     double missed = 0;                          // N of changes without a goal
-    double stiffness = 0;                       // N/m, as the device renders it
+    double stiffness = 0, risen = 1;            // N/m in effect; its share of the map's
     bool near_hole = false, rises = false;      // stiffness is a hole's in part; it rose
     std::uint32_t reasons = 0;
     int missing = 0;  // ticks without a goal
@@ -119,11 +121,18 @@ struct Steps {
     /// a proxy that slides or turns moves as well) and the hand's share of all other changes explain, the
     /// fade, and what the solver's force does not allow any more. Takes over the tick.
     double most(const Contact& contact, const GuardedForce& out, const GuardSettings& device, double scale) {
-        const double map = contact.properties.stiffness, k = std::min(map, device.max_stiffness),
-                     carried = contact.carried_stiffness.value_or(map),
-                     steepest = 1.5 / JumpCancellation::fade_ticks;
-        const glm::dvec3 force = rendered(contact.force, map, device),
-                         from = contact.jumped ? rendered(contact.jumped_force, carried, device) : own;
+        const double steepest = 1.5 / JumpCancellation::fade_ticks, map = contact.properties.stiffness,
+                     x = scale * length(contact.proxy - contact.goal),
+                     stored = ramp > 0 && x > 0 ? out.energy.stored / ramp : 0;
+        // The stiffness in effect, by the energy that the spring stores; without a goal as before.
+        double k = std::min(map, device.max_stiffness);
+        if (stored > 0)
+            k = std::min(k, DeviceSpring{device.max_stiffness, device.max_force}.stiffness(stored, x * x));
+        else if (contact.goal_held)
+            k *= risen;
+        risen = map > 0 ? k / map : 1;
+        const glm::dvec3 force = risen * contact.force,
+                         from = contact.jumped ? jumped_to(contact, k, device) : own;
         const double whole = std::min(length(from), device.max_force);
         share = std::min(1.0, whole > 0 ? length(sent) / whole : share + steepest);
         missed += share * length(force - from);
@@ -136,7 +145,7 @@ struct Steps {
         if ((out.reasons | reasons) & (guard_ramp | guard_fault))
             most += device.max_force / std::min(device.ramp_in_ticks, device.ramp_out_ticks);
         rises = ((out.reasons | reasons) & guard_rise) != 0;
-        if (rises) most += std::min(device.rise.per_tick, 1e6) * scale * length(contact.proxy - contact.goal);
+        if (rises) most += std::min(device.rise.per_tick, 1e6) * x;
         if (missing == 0) {
             most += 2 * k * scale * length(contact.goal - goal) + forbidden(sent, ramp * force) +
                     std::exchange(missed, 0.0);
