@@ -46,12 +46,13 @@ int edge(ivec2 a, ivec2 b, ivec2 p) {
 
 // A triangle's three edge functions at a pixel, turned so that inside is positive, and their steps to the
 // right and down. A pixel centre on an upper or left edge is inside; `least`: the least values inside.
+// `is_last`: one on the edge from b to c is, too.
 struct Edges {
     ivec3 here, right, down, least;
     float scale;  // 1 / twice the area; 0 for a triangle without one
 };
 
-Edges edges_of(ivec2 a, ivec2 b, ivec2 c, ivec2 p) {
+Edges edges_of(ivec2 a, ivec2 b, ivec2 c, ivec2 p, bool is_last) {
     const int area = edge(a, b, c);
     const int turn = area < 0 ? -1 : 1;
     const ivec3 dx = turn * ivec3(b.x - a.x, c.x - b.x, a.x - c.x);
@@ -62,6 +63,7 @@ Edges edges_of(ivec2 a, ivec2 b, ivec2 c, ivec2 p) {
     e.down = dx * VIEW_SUBPIXELS;
     const bvec3 upper = bvec3(uvec3(equal(dy, ivec3(0))) & uvec3(greaterThan(dx, ivec3(0))));
     e.least = ivec3(1) - ivec3(uvec3(lessThan(dy, ivec3(0))) | uvec3(upper));
+    if (is_last) e.least.y = 0;
     e.scale = area == 0 ? 0.0f : 1.0f / float(abs(area));
     return e;
 }
@@ -97,8 +99,8 @@ bool has_gap(Corner top_left, Corner top_right, Corner bottom_right, Corner bott
            (bottom_left.q != 0.0f && is_cut(top_left.q, bottom_right.q, bottom_left.q));
 }
 
-/// Whether the cell is left to raster_large.comp.
-bool draw_cell(Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left) {
+/// Whether the cell is left to raster_large.comp. `is_last`: in its row, and in its column, of the own view.
+bool draw_cell(Corner top_left, Corner top_right, Corner bottom_right, Corner bottom_left, bvec2 is_last) {
     const bool no_lower = is_cut(top_left.q, top_right.q, bottom_right.q);
     const bool no_upper = is_cut(top_left.q, bottom_right.q, bottom_left.q);
     if (no_lower && no_upper) return false;
@@ -121,8 +123,8 @@ bool draw_cell(Corner top_left, Corner top_right, Corner bottom_right, Corner bo
     if (!on_screen) return false;
 
     const ivec2 start = first * VIEW_SUBPIXELS + half_pixel;
-    const Edges lower = edges_of(top_left.at, top_right.at, bottom_right.at, start);
-    const Edges upper = edges_of(top_left.at, bottom_right.at, bottom_left.at, start);
+    const Edges lower = edges_of(top_left.at, top_right.at, bottom_right.at, start, is_last.x);
+    const Edges upper = edges_of(top_left.at, bottom_right.at, bottom_left.at, start, is_last.y);
     ivec3 lower_row = lower.here, upper_row = upper.here, in_lower = lower_row, in_upper = upper_row;
     ivec2 at = first;
     // One loop, not two, and one pixel to write: lanes of a software GPU wait for each other at every loop's
@@ -151,11 +153,13 @@ void main() {
     const uint first_row = tile / push.tiles_x * RASTER_TILE;
     const uint end = min(first_row + RASTER_TILE, push.height - 1u);
     if (i + 1u >= push.width) return;
+    const uvec2 own_end = push.is_turned == 0u ? uvec2(push.width, push.height) : uvec2(0u);
     uint large_rows = 0u, gap_rows = 0u;
     Corner top_left = corner(i, first_row), top_right = corner(i + 1u, first_row);
     for (uint j = first_row; j < end; ++j) {
         const Corner bottom_left = corner(i, j + 1u), bottom_right = corner(i + 1u, j + 1u);
-        if (draw_cell(top_left, top_right, bottom_right, bottom_left)) large_rows |= 1u << (j - first_row);
+        const bvec2 is_last = equal(uvec2(i, j) + 2u, own_end);
+        if (draw_cell(top_left, top_right, bottom_right, bottom_left, is_last)) large_rows |= 1u << (j - first_row);
         else if (has_gap(top_left, top_right, bottom_right, bottom_left)) gap_rows |= 1u << (j - first_row);
         top_left = bottom_left;
         top_right = bottom_right;

@@ -31,6 +31,7 @@ struct MeshPush {
     uint pitch;          // vertices from one row of q and colours to the next
     uint tiles_x;        // tiles in a row of it
     uint is_turned;      // 0: the clip's own view, every vertex at its pixel
+    float beyond;        // there a subpixel, in cells; otherwise 0
 };
 
 #ifdef __cplusplus

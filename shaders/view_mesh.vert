@@ -80,6 +80,10 @@ void main() {
     }
     const uint index = at.y * push.pitch + at.x;
     vec3 place = vec3(at, abs(q_of(at)));
+    // Pixel centres on the last cells' last sides belong to them: these sides are moved on, in their plane.
+    const uvec2 ends = min(uvec2(equal(at, last)), at);
+    const float before = abs(q_of(at - ends));
+    place += push.beyond * vec3(ends, before == 0.0f ? 0.0f : place.z - before);
     if (push.is_turned != 0u && moved_vertices[index].x != 0u)
         place = edge_place(moved_vertices[index], at.x, at.y);
     gl_Position = view_clip(push.rows, place.x, place.y, place.z);

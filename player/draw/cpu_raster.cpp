@@ -717,7 +717,7 @@ template <class SubpixelsOf>
 void OwnViewPicture::find_places(int vertices, int pixels, SubpixelsOf subpixels_of, Places& places) {
     places.cells.resize(static_cast<std::size_t>(pixels));
     places.into.resize(static_cast<std::size_t>(pixels));
-    // A pixel centre on a cell's first side belongs to the cell.
+    // A pixel centre on a cell's first side belongs to the cell; on the last cell's last side, too.
     const auto pixel_from = [pixels](int subpixels) {
         return std::clamp((subpixels + half_pixel - 1) >> 8, 0, pixels);
     };
@@ -725,7 +725,8 @@ void OwnViewPicture::find_places(int vertices, int pixels, SubpixelsOf subpixels
     places.first = places.end = pixel_from(from);
     for (int n = 0; n + 1 < vertices; ++n) {
         const int to = subpixels_of(n + 1);
-        for (const int end = pixel_from(to); places.end < end; ++places.end) {
+        const bool is_last = n + 2 == vertices && to > from;
+        for (const int end = pixel_from(is_last ? to + 1 : to); places.end < end; ++places.end) {
             const auto p = static_cast<std::size_t>(places.end);
             places.cells[p] = n;
             places.into[p] = static_cast<float>(places.end * VIEW_SUBPIXELS + half_pixel - from) /

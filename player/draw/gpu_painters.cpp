@@ -32,7 +32,7 @@ namespace {
 static_assert(RASTER_TILE == TileGrid::cells);
 static_assert(std::is_trivially_copyable_v<RasterPush> && sizeof(RasterPush) == 100);
 static_assert(MESH_TILE == TileGrid::cells);
-static_assert(sizeof(MeshPush) == 84);
+static_assert(sizeof(MeshPush) == 88);
 static_assert(TILE_LISTS_CORNERS == MESH_TILE_CELLS * 6);
 
 Result<GpuBuffer> make_tile_pattern(const GpuDevice& device) {
@@ -203,12 +203,15 @@ Result<MeshPipeline> MeshPipeline::create(const GpuDevice& device) {
 
 void MeshPipeline::draw(GpuCommands& commands, const GpuLattice& lattice, const ViewCamera& camera) const {
     const bool is_own = is_own_view(camera);
-    const MeshPush push{rows_of(camera),
-                        static_cast<std::uint32_t>(lattice.width),
-                        static_cast<std::uint32_t>(lattice.height),
-                        static_cast<std::uint32_t>(lattice.pitch),
-                        static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x),
-                        is_own ? 0U : 1U};
+    MeshPush push{rows_of(camera),
+                  static_cast<std::uint32_t>(lattice.width),
+                  static_cast<std::uint32_t>(lattice.height),
+                  static_cast<std::uint32_t>(lattice.pitch),
+                  static_cast<std::uint32_t>(TileGrid::of(lattice.width, lattice.height).tiles_x),
+                  is_own ? 0U : 1U,
+                  0};
+    // Clip space is two units wide.
+    if (is_own) push.beyond = 2.0F / (push.rows.x.x * static_cast<float>(camera.width * VIEW_SUBPIXELS));
     const GpuBuffer &q = lattice.drawn_q, &edges = is_own ? q : lattice.edges, &tiles = lattice.tiles;
     const VkCommandBuffer drawing = commands.handle();
     whole_.bind(commands, push, {q, lattice.colours, tiles, edges});

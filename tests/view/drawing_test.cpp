@@ -459,7 +459,7 @@ TEST_F(Drawing, MapsKeepTheirColours) {
         show(*drawing, shown->field(), shown->pair(), map, Lighting::values);
         const Image drawn =
             picture_of(*drawing, own_view(shown->scene, 96, 64, 1), {}, {}, target_of(96, 64));
-        EXPECT_GT(std::count(drawn.samples.begin(), drawn.samples.end(), 77), 90 * 60 * 3) << painter;
+        EXPECT_EQ(std::count(drawn.samples.begin(), drawn.samples.end(), 77), 96 * 64 * 3) << painter;
     }
 }
 

@@ -319,7 +319,7 @@ inline void expect_lit(const HeightField& field, std::vector<float> q, const Pla
 }
 
 /// What painters draw, one triangle after the other, pixel by pixel: the definition that they are held
-/// against.
+/// against. Pixel centres on the last cells' last sides are left out.
 PicturePlanes plain_picture(const ViewSurface& surface, const ViewCamera& camera);
 /// The same, with the background's colour where nothing is drawn.
 PicturePlanes before_background(PicturePlanes planes);
