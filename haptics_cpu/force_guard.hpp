@@ -245,8 +245,8 @@ struct BlendedForce {
 /// Keeps a surface that jumps under one finger (a cut, an object from the side, a late frame) from kicking
 /// the hand (docs/solver.md, Sudden change). With J the jump of the force at the previous tick's goal, the
 /// hand gets F - w J, and w goes smoothly from 1 to 0 in `fade_ticks`: no step when the surface jumps, and
-/// dF/dG is the spring's own, so nothing lags. Of what F changes otherwise meanwhile (a slip, a crest, a
-/// landing) the hand gets the share in which it gets F.
+/// dF/dG is the spring's own, so nothing lags. If F meanwhile changes by itself (a slip, a crest, a landing),
+/// the hand gets that change in the share in which it gets F.
 ///
 /// It only takes away: the result is never longer than F and never pulls against F. Overlapping jumps go on
 /// from the current result. If a jump leaves the goal so deep that the spring exceeds what the device can

@@ -144,8 +144,8 @@ private:
 /// 3: no force comes back in one step: what damper and controller took off the spring returns by a ramp;
 ///    after ticks that were left out a surface's motion is felt as a jump, and a stale surface returns, as
 ///    far as in one tick; more than 50 of them are a gap.
-/// 4: of a slip, a crest or a landing while a jump's cancellation fades the hand gets the share in which it
-///    gets the force; stiffness rises by 4 N/m a tick.
+/// 4: while a jump's cancellation fades, a slip, a crest or a landing reaches the hand in the share in which
+///    the force does; stiffness rises by 4 N/m a tick at most.
 inline constexpr int force_rules = 4;
 
 }  // namespace touchable
