@@ -230,8 +230,10 @@ TEST(Clips, OpenStepsFollowFirstFrame) {
     const touch::Scene scene(Hill::camera());
     const Hill hill;
     const std::vector<float> metres = hill.metres();
+    std::vector<float> between = metres;
+    for (float& depth : between) depth += 0.0003F;  // m: no multiple of a millimetre
     touch_frame integers = hill.frame(), floats = integers;
-    floats.depth = Hill::plane_of(metres);
+    floats.depth = Hill::plane_of(between);
     for (const char* ending : {".mkv", ".mp4", ""})
         for (const bool has_floats : {false, true}) {
             const std::string name = (folder / (has_floats ? "floats" : "integers")).string() + ending;
@@ -246,8 +248,9 @@ TEST(Clips, OpenStepsFollowFirstFrame) {
                 const auto frameset = clip.next();
                 std::vector<float> back(metres.size());
                 written.metres(frameset->frame().depth, back.data());
+                const std::vector<float>& given = has_floats && n == 0 ? between : metres;
                 for (std::size_t k = 0; k < metres.size(); ++k)
-                    ASSERT_NEAR(back[k], metres[k], has_floats ? 0.51 / 65534 : 1e-7) << n;
+                    ASSERT_NEAR(back[k], given[k], has_floats ? 0.51 / 65534 : 1e-7) << n;
             }
         }
 }
