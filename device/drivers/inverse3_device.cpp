@@ -49,6 +49,8 @@ std::optional<glm::dvec3> inverse3_vector(const json& value) {
     return glm::dvec3(*x, *z, -*y);
 }
 
+constexpr double inverse3_rounding = 1e-6;  // of floats, on their way
+
 /// A setting of the service for an arm.
 struct Inverse3Rule {
     json::json_pointer place;
@@ -75,7 +77,6 @@ const std::vector<Inverse3Rule> inverse3_rules = [] {
             return number && *number >= 0 && *number <= most;
         };
     };
-    constexpr double rounding = 1e-6;  // of floats, on their way
     std::vector<Inverse3Rule> rules{
         {"/config/basis/permutation"_json_pointer, is_any("XYZ", "+X+Y+Z"), "XYZ", {}},
         {"/config/preset"_json_pointer, is_any("defaults", "custom", "arm_front", "arm_front_centered"),
@@ -93,8 +94,8 @@ const std::vector<Inverse3Rule> inverse3_rules = [] {
     // The service reports as mount what it is given as mount.transform.
     for (const char* transform : {"/config/mount", "/config/mount/transform", "/state/transform"}) {
         const json::json_pointer place(transform);
-        rules.push_back({place / "scale", is_near({1, 1, -1}, rounding), "1 along x, y and z", {}});
-        rules.push_back({place / "rotation", is_near({0, 0, 0}, rounding), "none", {}});
+        rules.push_back({place / "scale", is_near({1, 1, -1}, inverse3_rounding), "1 along x, y and z", {}});
+        rules.push_back({place / "rotation", is_near({0, 0, 0}, inverse3_rounding), "none", {}});
         rules.push_back({place / "position", is_near({0, 0, 0}, 1e3), "x, y and z in metres", {}});
     }
     return rules;
@@ -116,7 +117,10 @@ void add_inverse3_settings(const json& entry, Inverse3Arm& arm) {
         return entry.contains(place) ? inverse3_vector(entry.at(place)).value_or(glm::dvec3(0))
                                      : glm::dvec3(0);
     };
-    arm.base = position("/config/mount/position") + position("/config/mount/transform/position");
+    if (entry.contains("/config/mount"_json_pointer))
+        arm.base = position("/config/mount/position") + position("/config/mount/transform/position");
+    if (const json& preset = inverse3_member(inverse3_member(entry, "config"), "preset"); preset.is_string())
+        arm.preset = preset.get<std::string>();
     if (arm.place && arm.unusable.empty()) *arm.place -= position("/state/transform/position");
 }
 
@@ -348,7 +352,8 @@ Result<void> Inverse3Driver::choose(const std::vector<Inverse3Arm>& arms) {
                             "; must be 0 or more, set in Haply Hub");
     settings_ = force_scale_ == 1 ? std::string() : "force_scale " + exact_number(force_scale_);
     if (!found->settings.empty()) settings_ += (settings_.empty() ? "" : ", ") + found->settings;
-    base_ = found->base;
+    base_ = found->base.value_or(glm::dvec3(0));
+    preset_ = found->preset.value_or("defaults");
     id_ = found->id;
     return {};
 }
@@ -434,6 +439,10 @@ Result<bool> Inverse3Driver::take(const Inverse3Message& message, DeviceSample& 
     if (arm == message.arms.end())
         return device_error("Inverse3 " + id_ + " is gone from the Haply service; plug it in again");
     TRY(check(*arm));
+    const bool is_moved = glm::distance(arm->base.value_or(base_), base_) > inverse3_rounding;
+    if (is_moved || arm->preset.value_or(preset_) != preset_)
+        return device_error("the Haply service has another " + std::string(is_moved ? "mount" : "preset") +
+                            " for " + id_ + " than when it was opened; must stay the same while it is held");
     trouble_.clear();
     if (arm->powered == false) trouble_ = "has no power: plug in its power supply";
     if (arm->ready == false) trouble_ = "is not ready: look at it in Haply Hub";

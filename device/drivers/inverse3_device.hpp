@@ -43,7 +43,10 @@ Result<Inverse3Dialect> inverse3_dialect(const Inverse3Version& version);
 struct Inverse3Arm {
     std::string id;                   ///< printable, at most 64 bytes
     std::optional<glm::dvec3> place;  ///< of the cursor, metres, our axes, without the service's `transform`
-    glm::dvec3 base{0.0};             ///< its place, by the configured mount; 0 in other messages
+    /// Its place, by the configured mount, and the preset, which may move the origin; nothing in messages
+    /// without them.
+    std::optional<glm::dvec3> base;
+    std::optional<std::string> preset;
     std::optional<bool> powered, calibrated, ready;
     /// The first setting that changes lengths, axes or the sign of forces, and the right value; empty: none.
     std::string unusable;
@@ -173,7 +176,7 @@ private:
     std::string id_;
     double force_scale_ = 1;  // of the service, on all forces
     glm::dvec3 base_{0.0};
-    std::string settings_, trouble_;
+    std::string preset_, settings_, trouble_;
     int unanswered_ = 0, nonsense_ = 0;
     bool pushed_ = false;  // the last force sent was not zero
     std::int64_t said_ns_ = 0, answered_ns_ = 0;

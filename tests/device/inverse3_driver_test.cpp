@@ -303,11 +303,21 @@ TEST(Inverse3Driver, RefusesOtherLengthsAndAxes) {
         EXPECT_NE(driven.refusal().find(each.expected), std::string::npos) << driven.refusal();
         EXPECT_TRUE(driven.wire.sent.empty()) << "no force";
     }
+    for (const Inverse3Case& changed : std::initializer_list<Inverse3Case>{
+             {"", R"({"scale":{"x":3,"y":3,"z":3}})", "transform/scale"},
+             {R"("mount":{"rotation":{"w":0,"x":0,"y":0,"z":1}})", "", "mount/rotation"},
+             {R"("mount":{"position":{"x":0.01,"y":0,"z":0}})", "", "another mount for 049D than when"},
+             {R"("preset":"arm_front_centered")", "", "another preset for 049D than when"}}) {
+        Driven driven;
+        ASSERT_TRUE(driven.connect());
+        driven.wire.coming.assign(1, state_with(changed.config, changed.transform));
+        DeviceSample sample;
+        const auto received = driven.driver.receive(sample, no_time);
+        ASSERT_FALSE(received) << changed.expected << ": changed while it is held";
+        EXPECT_NE(received.error().message.find(changed.expected), std::string::npos)
+            << received.error().message;
+    }
     Driven driven;
-    ASSERT_TRUE(driven.connect());
-    driven.wire.coming.assign(1, state_with("", R"({"scale":{"x":3,"y":3,"z":3}})"));
-    DeviceSample sample;
-    EXPECT_FALSE(driven.driver.receive(sample, no_time)) << "changed while it is held";
     driven.wire.scale = "-1";
     EXPECT_NE(driven.refusal().find("force_scale -1; must be 0 or more"), std::string::npos);
 }
