@@ -184,8 +184,8 @@ typedef struct touch_frame {
                              outside the scene's depths, so that they have no surface. A renderer's background (1e9 and
                              beyond, or 65504) does not count. If most depths are lost, the frame is refused with
                              TOUCH_USAGE */
-    double *lost_degrees; /**< NULL, or the output for how many degrees the faces of TOUCH_F32 depth turn, on average, as
-                             it is rounded to metres_per_code: a smaller far_m, or finer steps, lose less. 0 for codes */
+    double *lost_degrees; /**< NULL, or the output for the mean angle, degrees, by which rounding to metres_per_code turns
+                             the faces of TOUCH_F32 depth; 0 for codes. A smaller far_m, or finer steps, turn them less */
 } touch_frame;
 
 /** Fills in an empty frame: number 0, time 0, no picture. `struct_size`: sizeof(touch_frame) in your program. */

@@ -73,8 +73,8 @@ def depth_plane(depth: ArrayLike) -> Plane:
 
 def frame_struct(frame: Any, number: int, time_ns: int) -> Struct:
     """A frame of whatever has pictures, with this number and time: a Frame, a depth array, a dict or a tuple of planes.
-    It is good for as long as the frame is. The library writes to `lost` how many pixels' depths the scene has not, and to
-    `degrees` how much rounding turns the surface."""
+    It is good for as long as the frame is. The library writes to `lost` how many pixels are outside the scene's depths,
+    and to `degrees` how much rounding turns the surface."""
     lost, degrees = ctypes.c_int64(), ctypes.c_double()
     stored = getattr(frame, "_struct", None)
     if isinstance(stored, FrameStruct):

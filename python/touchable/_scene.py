@@ -52,8 +52,8 @@ class Camera:
     cx_px, cy_px: principal point, pixels, where (0, 0) is the centre of the first pixel; the middle.
     metres_per_code: what a uint16 code of 1 is, metres; depth as floats is rounded to it, and reaches 65535 times as far.
         None: uint16 codes are millimetres, and floats are rounded to far_m / 65534, or of arrays as Surface says.
-    far_m: deeper pixels have no surface, metres. None: of floats without metres_per_code that Surface or touchable.write
-        are given as arrays, 5 % beyond these; otherwise 10, or in touchable.write of arrays as much farther as these reach.
+    far_m: deeper pixels have no surface, metres. None: of arrays of floats without metres_per_code, 5 % beyond these in
+        touchable.write, and as Surface says there; otherwise 10, or in touchable.write of arrays as far as these reach.
     frames_per_second: 0.001 to 1000, used where frames are counted and not timed; 30.
     stiffness_n_per_m: where no haptic picture says otherwise, N/m; 600.
     static_friction, dynamic_friction: likewise, coefficients, the second at most the first; 0.4 and 0.3.

@@ -48,10 +48,12 @@ class Surface(Closable):
         preset: how `depth` is stored, by name ("relative-inverse", "tum", ...), with near_m and far_m, as touchable.open takes
             them: values become the codes of a file of them (needs libtouchable-media).
 
-        Floats are rounded to the finest decimal step by which 16 bits reach 5 % beyond `depth`, unless the camera states
-        metres_per_code or far_m. Warnings say once where rounding turns the surface by more than a degree, where the first
-        picture has no surface or looks like disparity, and where depths as floats are none that the scene has, such as beyond
-        far_m. Raises UsageError (a ValueError) where these are most of a picture, or it has not the scene's size or kind.
+        Floats are rounded to the finest decimal step by which 16 bits reach twice as deep as `depth`, so that later pictures
+        may be deeper; where this step would turn the surface by a degree, to the finest that reaches 5 % beyond `depth`. A
+        camera that states metres_per_code or far_m decides itself. Warnings say once where rounding turns the surface by more
+        than a degree, where the first picture has no surface or looks like disparity, and where floats are outside the
+        scene's depths, such as beyond far_m. Raises UsageError (a ValueError) if most of a picture is outside, or it has
+        another size or kind than the scene.
         """
         if preset is not None:
             if depth is None or isinstance(depth, Frame):
@@ -66,7 +68,7 @@ class Surface(Closable):
             is_open = isinstance(camera, Camera) and camera.far_m is None and camera.metres_per_code is None
             if is_open and given is not None and given.dtype.kind == "f":
                 try:
-                    meaning = reaching(camera, [given])
+                    meaning = reaching(camera, [given], later_come=True)
                 except UsageError as problem:
                     raise _planes.refuse("; ".join(filter(None, (problem.line, _disparity_words(given))))) from None
         self.scene: Scene = scene_of(meaning)
@@ -93,8 +95,8 @@ class Surface(Closable):
             the scene's frames_per_second.
 
         Raises Error with Status.FULL while the solver still needs all pictures that there are (try again once it has
-        ticked on), UsageError where the picture is not the scene's, most of its depths as floats are none that the scene
-        has, or the time is not later, ClosedError. Then the surface stays as it was.
+        ticked on), UsageError where the picture has another size or kind than the scene, most of its floats are outside the
+        scene's depths, or the time is not later, ClosedError. Then the surface stays as it was.
         """
         self._push(frame, time_ns)
 

@@ -44,8 +44,8 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
     overwrite: a file that is there already is replaced once this one is whole.
     small: few bytes, but slow to write. exact_colour: colour keeps every value too.
 
-    Depths as floats that the scene has not, such as beyond far_m, have no surface; a warning says how many. Where they are
-    most of a picture, it is refused. A warning says where rounding turns the surface by more than a degree.
+    Floats outside the scene's depths, such as beyond far_m, have no surface; a warning says how many. A picture is refused
+    if most of its depths are outside. A warning says where rounding turns the surface by more than a degree.
 
     Raises ExistingFileError (a FileExistsError), UsageError (a ValueError) where a picture or an option cannot be, Error
     where the disk refuses it, and whatever `frames` raises.
@@ -95,12 +95,13 @@ def write(path: str | os.PathLike, frames: Iterable[Any], *, camera: Camera | No
 
 # The same rule as `touchable info` for the far plane of pictures.
 _stray_of = 10_000  # one depth in this many may be stray
-_far_margin = 1.05
+_far_margin, _room = 1.05, 2.0  # how far behind the deepest: of all frames, and of the first of several
 _deep_m = 200.0  # no camera sees half of a scene beyond this, so floats are millimetres
 
 
-def reaching(camera: Camera, frames: Any) -> Camera:
-    """The camera, which states no far_m, with one behind all that frames of arrays hold."""
+def reaching(camera: Camera, frames: Any, later_come: bool = False) -> Camera:
+    """The camera, which states no far_m, with one behind all that frames of arrays hold; `later_come`: of floats, with
+    one that has room for deeper frames, and steps of far_m / 65534."""
     depths = [depth for frame in frames if (depth := depth_of(frame)) is not None]
     kinds = {depth.dtype.kind for depth in depths}
     are_floats = kinds == {"f"}
@@ -133,7 +134,14 @@ def reaching(camera: Camera, frames: Any) -> Camera:
                       stacklevel=3)
         return dataclasses.replace(camera, far_m=far_m, metres_per_code=far_m / most_codes)
     step = _decimal(far_m / most_codes) if is_open else camera.metres_per_code
-    return dataclasses.replace(camera, far_m=far_m, metres_per_code=step)
+    if not later_come:
+        return dataclasses.replace(camera, far_m=far_m, metres_per_code=step)
+    roomy = _decimal(_room * reach_m / most_codes)
+    # Rounding turns a surface by some 30 degrees times the step's share of a pixel's width: by less than one here.
+    if 30 * roomy * camera.fx_px < median_m:
+        step = roomy
+    # The step stays open, as uint16 is millimetres, of which one has to fit.
+    return dataclasses.replace(camera, far_m=max(step * (most_codes - 1), 0.001))
 
 
 def _decimal(step: float) -> float:

@@ -407,6 +407,18 @@ class OpenSteps(unittest.TestCase):
                         self.assertLess(self.error_degrees(touchable.Surface(clip[0]), depth, normal_at), 0.9)
                 self.assertEqual(said.filename, __file__)
 
+    def test_LaterPicturesMayBeDeeper(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            surface = touchable.Surface(self.wall, self.camera)
+            self.assertLess(self.error_degrees(surface, self.wall, lambda at: self.lean), 0.4)
+            for second, later in (1, 1.9 * self.wall), (2, (1900 * self.wall).astype(numpy.uint16)):  # millimetres
+                surface.push(later, second * 10**9)
+                found = surface.forces_at(self.camera.points(80, 60, 1.9 * self.wall[60, 80] + 0.005))
+                self.assertAlmostEqual(found.proxy[2], -1.9 * self.wall[60, 80], delta=0.001, msg=second)
+            narrow = touchable.Surface(self.wall, dataclasses.replace(self.camera, fx_px=1600, fy_px=1600))
+            self.assertAlmostEqual(narrow.scene.far_units, 0.65534)  # no room: it would turn the wall by 2 degrees
+
     def test_FirstPictureGetsALine(self):
         noise = numpy.random.default_rng(1).normal(size=self.ball.shape)
         for words, depth in {
