@@ -298,7 +298,7 @@ typedef struct touch_tick {
 #define TOUCH_GUARD_FORCE 2       /**< force limited to max_force_n */
 #define TOUCH_GUARD_RAMP 4        /**< ramping in */
 #define TOUCH_GUARD_FAULT 8       /**< a goal or a surface was missing or invalid: ramping to zero */
-#define TOUCH_GUARD_RISE 16       /**< stiffness is still rising to the map's */
+#define TOUCH_GUARD_RISE 16       /**< stiffness is still rising to the map's, by at most 4 N/mm per second */
 #define TOUCH_GUARD_DAMPING 32    /**< a damper's force added */
 #define TOUCH_GUARD_PASSIVITY 64  /**< the passivity controller's force added */
 #define TOUCH_GUARD_JUMP 128      /**< the surface jumped: the force changes over 100 ms */

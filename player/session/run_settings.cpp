@@ -150,7 +150,7 @@ std::vector<SessionSetting> all_settings() {
             [](auto& run) -> auto& { return Place::options(run).guard.rise.paid; }),
         setting_row(
             expert, "stiffness-slew",
-            "How fast stiffness may rise under a finger that moves over the surface.",
+            "How fast stiffness may rise under a finger that moves over the surface. 1e9: at once.",
             {.unit = "N/mm per second"},
             [](auto& run) -> auto& { return Place::options(run).guard.rise.per_tick; }, per_mm* tick_seconds),
         setting_row(expert, "damping", "Damping of the hand's motion, beside the spring.", {.unit = "N s/m"},

@@ -36,7 +36,7 @@ class Guard(enum.IntFlag):
     FORCE: force limited to max_force_n.
     RAMP: ramping in.
     FAULT: a goal or a surface was missing or impossible: ramping to zero.
-    RISE: stiffness not yet risen to the map's.
+    RISE: stiffness not yet risen to the map's; it rises by at most 4 N/mm per second.
     DAMPING: a damper's force added.
     PASSIVITY: the passivity controller's force added.
     JUMP: the surface jumped: the change of force comes on over 100 ms.
