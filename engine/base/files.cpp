@@ -6,14 +6,18 @@
 #include <linux/magic.h>
 #include <sys/file.h>
 #include <sys/random.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/uio.h>
+#include <sys/un.h>
 #include <sys/vfs.h>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <tuple>
 
+#include "engine/base/same_bits.hpp"
 #include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
@@ -103,6 +107,26 @@ fs::path folder_of(const fs::path& file) {
 /// Gives `from` a second name, following it if it leads to an open file. Returns 0 or an errno.
 int add_name(const fs::path& from, const fs::path& to) {
     return linkat(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+
+/// Takes a file's name for this process, so that no other one writes that file, too. The name is that of a
+/// socket: the system frees it when the process ends, and nothing is left on the disk. Returns nothing if it
+/// is taken, and a Descriptor without a socket if no name can be taken here.
+std::optional<Descriptor> hold_name(const fs::path& file) {
+    Descriptor held(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    const fs::path name = file.filename();
+    struct stat known {};
+    if (stat(folder_of(file).c_str(), &known) != 0) return Descriptor();
+    ByteHash hash;
+    hash.add(&known.st_dev, sizeof known.st_dev);
+    hash.add(&known.st_ino, sizeof known.st_ino);
+    hash.add(name.c_str(), name.native().size());
+    sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+    const std::string taken = "touchable-" + hash.hex();
+    taken.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // begins with 0: no file's name
+    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + taken.size());
+    if (bind(held.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) return held;
+    return errno == EADDRINUSE ? std::nullopt : std::optional(Descriptor());
 }
 
 constexpr int folder_flags = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
@@ -323,6 +347,16 @@ Result<void> NewFile::check() const {
     if (fs::exists(status) && !is_regular_file(status))
         return input_error(target_.string() + ": is no regular file; name a new file, or one to replace");
     if (failure_ != 0) return failed(failure_);
+    return {};
+}
+
+Result<void> NewFile::hold() {
+    TRY(check());
+    auto held = hold_name(target_);
+    if (!held)
+        return input_error(target_.string() +
+                           ": another run writes it; name another file, or let that run end");
+    held_ = std::move(*held);
     return {};
 }
 

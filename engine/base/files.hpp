@@ -186,6 +186,9 @@ public:
     /// Refuses a target that is a folder or a device (only a file is ever replaced), and a folder in which no
     /// file can be written. `commit` checks again.
     Result<void> check() const;
+    /// As `check`, and takes the target's name: until this object is destroyed, or its process ends, `hold`
+    /// refuses it to others. For files that take long to write.
+    Result<void> hold();
     /// Writes the whole content. An error names the target and the reason.
     Result<void> write(std::string_view text);
     /// Makes `commit` skip the wait for the disk, for a file that is soon replaced or removed.
@@ -210,6 +213,7 @@ private:
     Existing existing_;
     int file_ = -1;
     int failure_ = 0;  ///< errno of opening it
+    Descriptor held_;  ///< the target's name
     bool committed_ = false;
     bool lasts_ = true;
 };

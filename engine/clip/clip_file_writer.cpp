@@ -33,7 +33,7 @@ Result<void> MuxedClipWriter::open(const std::optional<SoundPart>& sound) {
     TRY(check_storable(output_.target(), described_));
     silence_ffmpeg();
     if (sound) TRY(assign(sound_, StoredSound::open(*sound)));
-    TRY(output_.check());
+    TRY(output_.hold());
     AVFormatContext* muxer = nullptr;
     int status = avformat_alloc_output_context2(&muxer, nullptr, format_, nullptr);
     if (status < 0) return internal_error("muxer " + std::string(format_) + ": " + ffmpeg_text(status));

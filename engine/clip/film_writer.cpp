@@ -143,7 +143,7 @@ public:
     FfmpegFilm(const std::filesystem::path& file, Existing existing, int rate)
         : output_(file, existing), rate_(rate), most_apart_s_(std::max(2, 1 + 8 / rate)) {}
     Result<void> open(const char* format) {
-        TRY(output_.check());
+        TRY(output_.hold());
         AVFormatContext* muxer = nullptr;
         int status = avformat_alloc_output_context2(&muxer, nullptr, format, nullptr);
         if (status < 0) return refuse(ffmpeg_text(status));

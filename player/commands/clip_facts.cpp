@@ -558,7 +558,7 @@ Result<Verified> verify_clip(const ClipChoice& choice, const ClipFacts& facts, c
         TRY(check_outputs({{{"--picture", *picture.file}}, picture.existing},
                           inputs_of(choice, *clip.reader)));
         file.emplace(*picture.file, picture.existing);
-        TRY(file->check());
+        TRY(file->hold());
     }
     Scene scene = facts.scene;
     if (facts.measured) scene.filter.levels = facts.measured->levels;

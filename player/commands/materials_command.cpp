@@ -146,7 +146,7 @@ private:
         TRY(check_outputs({outputs, options_.existing}, inputs));
         if (options_.save.empty()) return {};
         saved_ = std::make_unique<NewFile>(options_.save, options_.existing);
-        return saved_->check();
+        return saved_->hold();
     }
 
     Result<void> write_clip() {

@@ -308,7 +308,7 @@ Result<std::optional<PictureOrder>> order_picture(const PictureOptions& options,
     order.show = options.show;
     TRY_ASSIGN(order.light, light_after(order.light, options.light));
     order.file = std::make_unique<NewFile>(*options.file, existing);
-    if (auto usable = order.file->check(); !usable)
+    if (auto usable = order.file->hold(); !usable)
         return Error{usable.error().kind, "--picture " + usable.error().message};
     return std::optional<PictureOrder>(std::move(order));
 }

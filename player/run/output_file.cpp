@@ -3,9 +3,6 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
 #include <unistd.h>
 #include <algorithm>
 #include <array>
@@ -117,25 +114,6 @@ private:
 
 constexpr std::size_t written_at_once = 1 << 16;
 
-/// Holds a file's name against other programs of this machine, until it ends: by a socket that has it, so
-/// that nothing is left on the disk. Nothing: another one holds it. -1: it cannot be held.
-std::optional<Descriptor> hold_name(const std::filesystem::path& file) {
-    Descriptor held(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-    const std::filesystem::path folder = file.parent_path(), name = file.filename();
-    struct stat known {};
-    if (stat(folder.empty() ? "." : folder.c_str(), &known) != 0) return Descriptor();
-    ByteHash hash;
-    hash.add(&known.st_dev, sizeof known.st_dev);
-    hash.add(&known.st_ino, sizeof known.st_ino);
-    hash.add(name.c_str(), name.native().size());
-    sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
-    const std::string taken = "touchable-" + hash.hex();
-    taken.copy(address.sun_path + 1, sizeof address.sun_path - 1);  // begins with 0: no file's name
-    const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + taken.size());
-    if (bind(held.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) return held;
-    return errno == EADDRINUSE ? std::nullopt : std::optional(Descriptor());
-}
-
 // Bytes that a ready pipe takes without blocking (PIPE_BUF).
 constexpr std::size_t at_once = 4096;
 // ms; interval at which a wait polls for a stop request.
@@ -229,13 +207,9 @@ Result<std::unique_ptr<OutputFile>> OutputFile::create(std::string what, const s
     std::unique_ptr<OutputFile> out(new OutputFile(std::move(what), file, existing, pace));
     if (out->standard_) return out;
     const int why = errno;
-    if (auto usable = out->file_->check(); !usable)
+    if (auto usable = out->file_->hold(); !usable)
         return input_error(out->what_ + ' ' + usable.error().message);
     if (out->out_ < 0) return out->failed(why);
-    auto held = hold_name(out->file_->target());
-    if (!held)
-        return input_error(out->name() + ": another run writes it; name another file, or let that run end");
-    out->held_ = std::move(*held);
     return out;
 }
 

@@ -131,7 +131,6 @@ private:
     std::string what_;
     Pace pace_;
     std::optional<NewFile> file_;
-    Descriptor held_;                         // the file's name
     std::optional<StandardOutput> standard_;  // used instead of a file
     int out_ = -1;
     std::string waiting_;            // buffered pieces

@@ -177,6 +177,20 @@ TEST_F(Outputs, AreWholeWithoutUnnamedFiles) {
     EXPECT_EQ(names_in(out()), (Words{"c.mkv", "frame", "r.json"}));
 }
 
+TEST_F(Outputs, NameHasOneWriter) {
+    for (const Words& words : {Words{"make", "plane", out("a.mkv")},
+                               {"convert", clip(), out("a.mp4")},
+                               {"play", clip(), "--headless", "--seconds", "0.1", "--video", out("f.mkv")},
+                               {"touch", clip(), "--seconds", "0.1", "--record", out("r.rec")},
+                               {"touch", clip(), "--seconds", "0.1", "--picture", out("p.png")},
+                               {"info", clip(), "--verify", "--picture", out("p.png")},
+                               {"materials", clip(), "--otherwise", "wood", "--save", out("s.json")}}) {
+        NewFile first(words.back());
+        ASSERT_TRUE(first.hold());
+        expect_failure(words, 3, fs::path(words.back()).filename().string() + ": another run writes it");
+    }
+}
+
 TEST_F(Outputs, FailedReplacementKeepsFolder) {
     const std::string frame = out("frame");
     succeed({"export", clip(), "--frame", "0", "--out", frame});
