@@ -294,9 +294,17 @@ int move_to_free_name(const fs::path& from, const fs::path& to) {
     return 0;
 }
 
-int sync_folder(const fs::path& folder) {
-    const Descriptor opened(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    return opened.get() < 0 ? 0 : failed_sync(fsync(opened.get()));  // not every folder can be listed
+int sync_path(const fs::path& path) {
+    const Descriptor opened(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    if (opened.get() < 0) return errno == EACCES ? 0 : errno;  // not every folder can be listed
+    return failed_sync(fsync(opened.get()));
+}
+
+Result<void> sync_names(const fs::path& folder, const fs::path& what) {
+    const int why = sync_path(folder.empty() ? "." : folder);
+    if (why == 0) return {};
+    return input_error(what.string() + ": is there, but its disk may lose it: " + failure_words(why) +
+                       "; write it again, or elsewhere");
 }
 
 NewFile::NewFile(fs::path target, Existing existing, const fs::path& beside)
@@ -400,8 +408,7 @@ Result<void> NewFile::commit_as(const fs::path& name) {
                            ": is there by now, and was not when this run began; it stays as it is");
     if (why != 0) return failed(why);
     committed_ = true;
-    why = lasts_ ? sync_folder(folder_of(name)) : 0;
-    return why != 0 ? failed(why) : Result<void>();
+    return lasts_ ? sync_names(name.parent_path(), target_) : Result<void>();
 }
 
 Result<std::unique_ptr<ScratchFolder>> ScratchFolder::create(std::string_view kind) {

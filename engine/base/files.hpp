@@ -247,10 +247,13 @@ std::filesystem::path hidden_name(const std::filesystem::path& folder);
 int move_to_free_name(const std::filesystem::path& from, const std::filesystem::path& to);
 /// The errno of a flush to the disk that returned `done`; 0 where a pipe or a file system cannot flush.
 inline int failed_sync(int done) {
-    return done == 0 || errno == EINVAL || errno == ENOSYS || errno == EROFS ? 0 : errno;
+    const bool cannot = errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP || errno == EROFS;
+    return done == 0 || cannot ? 0 : errno;
 }
-/// Flushes the names in `folder` to the disk. Returns 0 or an errno.
-[[nodiscard]] int sync_folder(const std::filesystem::path& folder);
+/// Flushes a file, or the names in a folder, to the disk. Returns 0 or an errno.
+[[nodiscard]] int sync_path(const std::filesystem::path& path);
+/// Flushes the names in `folder` to the disk, where `what` has its name by now. An error says so.
+Result<void> sync_names(const std::filesystem::path& folder, const std::filesystem::path& what);
 
 /// A table of numbers in text, with or without a header, its fields separated by commas, semicolons, tabs or
 /// blanks. Every row has the same number of fields; a field may stand in double quotes; columns that are not

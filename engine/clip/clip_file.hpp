@@ -152,11 +152,7 @@ public:
     Result<void> write(const std::filesystem::path& home, const std::string& name,
                        const std::string& bytes) const;
     /// Flushes its files to the disk. An error names `place`, what they become.
-    Result<void> sync(const std::filesystem::path& place) const {
-        const int why = opened_ < 0 ? 0 : failed_sync(syncfs(opened_));
-        if (why == 0) return {};
-        return input_error(place.string() + ": cannot be written: " + std::generic_category().message(why));
-    }
+    Result<void> sync(const std::filesystem::path& place) const;
     void remove() const;
     /// Moves these files into `home`, in this order, the one that opens the others last. With `keep` all or
     /// none.
@@ -166,7 +162,7 @@ public:
 private:
     std::filesystem::path path_;
     std::error_code failure_;
-    int opened_ = -1;
+    Descriptor opened_;
 };
 
 }  // namespace touchable

@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "engine/base/threads.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/clip/containers.hpp"
@@ -198,13 +199,12 @@ Result<std::unique_ptr<ClipWriter>> create_clip(const fs::path& path, const Scen
 }
 
 HiddenFolder::HiddenFolder(const fs::path& beside) : path_(hidden_name(beside)) {
-    if (!fs::create_directory(path_, failure_)) return;
-    opened_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fs::create_directory(path_, failure_))
+        opened_ = Descriptor(open(path_.c_str(), O_RDONLY | O_CLOEXEC));
 }
 
 HiddenFolder::~HiddenFolder() {
     remove();
-    if (opened_ >= 0) close(opened_);
 }
 
 Result<void> HiddenFolder::write(const fs::path& home, const std::string& name,
@@ -213,6 +213,21 @@ Result<void> HiddenFolder::write(const fs::path& home, const std::string& name,
     out << bytes;
     out.close();
     return out ? Result<void>{} : input_error((home / name).string() + ": cannot be written");
+}
+
+Result<void> HiddenFolder::sync(const fs::path& place) const {
+    // All at once is a hundred times as fast, but fails by what other programs lost, too.
+    if (syncfs(opened_.get()) == 0) return {};
+    int why = 0;
+    std::error_code failure;
+    for (fs::directory_iterator each(path_, failure), end; why == 0 && !failure && each != end;
+         each.increment(failure)) {
+        if (stop_requested()) return interrupted_error();
+        why = sync_path(each->path());
+    }
+    if (why == 0) why = failure ? failure.value() : sync_path(path_);
+    if (why == 0) return {};
+    return input_error(place.string() + ": cannot be written: " + std::generic_category().message(why));
 }
 
 void HiddenFolder::remove() const {
@@ -237,9 +252,7 @@ Result<void> HiddenFolder::move_to(const fs::path& home, const std::vector<std::
             }
         return input_error(to.string() + ": cannot be written: " + failure.message());
     }
-    const int why = sync_folder(home.empty() ? fs::path(".") : home);
-    if (why == 0) return {};
-    return input_error(home.string() + ": cannot be written: " + std::generic_category().message(why));
+    return sync_names(home, home / names.back());
 }
 
 }  // namespace touchable

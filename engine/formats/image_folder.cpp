@@ -545,8 +545,7 @@ private:
         } else if (auto replaced = replace(); !replaced) {
             return replaced;
         }
-        const int why = sync_folder(place_.parent_path());
-        return why ? unwritable(place_, std::error_code(why, std::generic_category())) : Result<void>();
+        return sync_names(place_.parent_path(), place_);
     }
 
     /// Atomic if the file system can exchange two names; the old folder is then removed with the hidden one.

@@ -188,22 +188,40 @@ public:
 
     Result<void> finish() override {
         if (names_.empty()) TRY(complete());
+        const std::set<std::string> plain = plain_names();
+        // Earlier files stay until the disk has the new names: before that, a power failure may bring back
+        // the clip.json that names them.
         TRY(hidden_.move_to(folder_, names_, existing_));
         hidden_.remove();
-        if (existing_ == Existing::replace) remove_earlier();
+        if (existing_ == Existing::replace) remove_earlier(plain);
         return {};
     }
 
 private:
-    /// Removes the files of an earlier clip and page, which clip.json and page no longer name.
-    void remove_earlier() const {
+    /// The names without a hash that the folder's clip.json gives to planes: those of version 1.
+    std::set<std::string> plain_names() const {
+        std::set<std::string> plain;
+        const auto text = SourceFile(folder_ / packed_clip_name).read("a packed clip", largest_text);
+        const auto read = [&plain](const checked_json::Node& node) {
+            if (node[version_key].integer(1, version) == 1)
+                for (const PlaneRole role : all_roles)
+                    if (node["planes"].has(std::string(role_name(role)).c_str())) plain.insert(file_of(role));
+            return true;
+        };
+        if (text) (void)checked_json::read_checked(*text, largest_text, "", read);
+        return plain;
+    }
+    /// Removes the files of an earlier clip and page, which clip.json and page no longer name. Without a hash
+    /// in its name, a file is somebody else's unless it is one of `plain`.
+    void remove_earlier(const std::set<std::string>& plain) const {
         std::set<std::string> kinds;
         for (const std::string& name : names_) kinds.insert(unhashed(name));
         for (const PlaneRole role : all_roles) kinds.insert(file_of(role));
         std::error_code ignored;
         for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
-            const std::string name = entry.path().filename().string();
-            if (kinds.contains(unhashed(name)) && std::ranges::find(names_, name) == names_.end())
+            const std::string name = entry.path().filename().string(), kind = unhashed(name);
+            if ((name == kind ? plain : kinds).contains(kind) &&
+                std::ranges::find(names_, name) == names_.end())
                 fs::remove(entry.path(), ignored);
         }
     }

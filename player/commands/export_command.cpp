@@ -115,10 +115,7 @@ private:
         if (done)
             if (const int why = move_to_free_name(hidden, place_))
                 done = unwritable(place_, std::error_code(why, std::generic_category()));
-        if (done) {
-            const int why = sync_folder(above);
-            return why ? unwritable(place_, std::error_code(why, std::generic_category())) : Result<void>();
-        }
+        if (done) return sync_names(above, place_);
         fs::remove_all(hidden, failure);
         // Remove the folders created for it; remove() refuses folders that hold other files by now.
         for (fs::path p = above; p != ground_; p = p.parent_path()) fs::remove(p, failure);

@@ -366,7 +366,7 @@ public:
     }
     /// After `begin`: syncs the file's name to disk. Until then a power failure may lose the table.
     Result<void> secure() {
-        const int why = last ? sync_folder(folder_) : 0;
+        const int why = last ? sync_path(folder_) : 0;
         return why ? failed(why) : last;
     }
     /// Writes a row and all waiting ones. If the disk is full, they wait for the next row.
@@ -384,7 +384,7 @@ public:
             return input_error(partial.string() + ": stays partial: " + whole.filename().string() + ": " +
                                std::strerror(why));
         unended_.reset();
-        const int why = sync_folder(folder_);
+        const int why = sync_path(folder_);
         out_.reset();
         return why ? failed(why) : Result<void>();
     }

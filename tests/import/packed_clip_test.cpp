@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clips packed for pages: what was written comes back, and what was cut or changed is refused with its place.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -10,6 +12,24 @@
 #include "engine/formats/open_clip.hpp"
 #include "engine/scene/scene.hpp"
 #include "tests/picture/results.hpp"
+
+namespace {
+std::string lost_name;  // its flush fails; empty: none does
+int lost_by = 0;
+}  // namespace
+
+/// These replace the C library's in the whole program.
+extern "C" int fsync(int file) {
+    std::error_code failure;
+    const auto name = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file), failure);
+    errno = lost_by;
+    return lost_name.empty() || !name.string().ends_with(lost_name) ? 0 : -1;
+}
+/// What other programs lost.
+extern "C" int syncfs(int) noexcept {
+    errno = EIO;
+    return -1;
+}
 
 namespace touchable::test {
 namespace {
@@ -160,11 +180,55 @@ TEST_F(PackedClip, ReplacesWholeClip) {
     EXPECT_TRUE(has_words(message(replace()), "page.html"));
     EXPECT_TRUE(same_frames(must(read_clip(folder / "clip")), before));
     std::filesystem::remove_all(file("page.html"));
-    for (const char* name : {"haptic.bin", "notes.txt"}) write_bytes(file(name), "of a clip of version 1");
     EXPECT_EQ(message(replace()), "");
-    EXPECT_EQ(names(),
-              (std::set<std::string>{"clip.json", "notes.txt", "page.html", plane("depth").filename()}));
+    EXPECT_EQ(names(), (std::set<std::string>{"clip.json", "page.html", plane("depth").filename()}));
     EXPECT_EQ(std::ssize(must(read_clip(folder / "clip"))), 1);
+}
+
+/// A name without a hash is a person's own, unless clip.json is of version 1 and names it.
+TEST_F(PackedClip, ReplacesOnlyItsOwnFiles) {
+    const std::string page = "style-0123456789abcdef.css", old = "style-fedcba9876543210.css";
+    write_bytes(folder / page, "of a page");
+    for (const bool is_version_1 : {false, true}) {
+        if (is_version_1)
+            std::filesystem::copy(TOUCHABLE_SOURCE_DIR "/web/tests/packed_1", folder / "clip");
+        else
+            pack();
+        std::set<std::string> kept{"haptic.bin", "height.bin", "notes.txt", "style.css"};
+        for (const std::string& name : kept) write_bytes(file(name), "a person's");
+        write_bytes(file(old), "of the page before");
+        write_frames(create_packed_clip(folder / "clip", scene, {folder / page}, Existing::replace),
+                     test_frames(scene, 1, {}));
+        kept.merge(std::set<std::string>{"clip.json", page, plane("depth").filename()});
+        for (const char* name : {"haptic.bin", "height.bin"})
+            if (is_version_1) kept.erase(name);
+        EXPECT_EQ(names(), kept);
+        std::filesystem::remove_all(folder / "clip");
+    }
+}
+
+TEST_F(PackedClip, SaysWhatDiskLoses) {
+    struct {
+        const char* lost;
+        int by;
+        const char* told;
+        std::ptrdiff_t frames;
+    } const rows[] = {{"/clip.json", EIO, "cannot be written: Input/output error", frames},
+                      {"/clip", EIO, "clip.json: is there, but its disk may lose it", 1},
+                      {"/clip", EOPNOTSUPP, "", 1},
+                      {"/clip.json", EINVAL, "", 1}};
+    for (const auto& [lost, by, told, count] : rows) {
+        pack();
+        const auto before = plane("depth");
+        lost_name = lost, lost_by = by;
+        const std::string why =
+            message(write_all(create_packed_clip(folder / "clip", scene, {}, Existing::replace),
+                              test_frames(scene, 1, all_planes)));
+        lost_name.clear();
+        EXPECT_TRUE(*told ? has_words(why, told) : why.empty()) << why;
+        EXPECT_EQ(std::ssize(must(read_clip(folder / "clip"))), count) << lost;
+        EXPECT_EQ(std::filesystem::exists(before), *told != 0) << "clip.json of either clip finds its files";
+    }
 }
 
 TEST_F(PackedClip, NumbersAreTheScene) {
