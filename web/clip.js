@@ -118,6 +118,9 @@ export class PackedClip {
     this.times = json.times_ns ?? [];
     require(Array.isArray(this.times) && [0, this.frames].includes(this.times.length) &&
       this.times.every((time) => is_whole(time, 0, Number.MAX_SAFE_INTEGER)), 'its times are not one for each frame');
+    const {error_bars_to: to = 0} = json; // null: everywhere
+    require(to === null || Number.isFinite(to), 'it does not say how far its error bars hold');
+    this.error_bars_to = to ?? Infinity;
     this.planes = {};
     for (const role of roles)
       if (planes[role]) this.planes[role] = this.plane_of(role, planes[role]);

@@ -80,6 +80,7 @@ struct OpenedClip {
     Scene scene;
     std::int64_t frames = 1;
     bool is_live = false;
+    double error_bars_to = 0;  // MeasuredDepth::error_bars_to
     /// The frame that is being put together. A plane's memory is new whenever its samples are.
     RawFrame raw{};
     std::array<std::shared_ptr<const std::vector<std::uint8_t>>, roles> samples{};
@@ -389,7 +390,9 @@ private:
             finger.depth_mm = -1000 * metres * glm::distance(contact.proxy, under->point);
         finger.stiffness = contact.properties.stiffness / 1000;
         finger.friction = contact.properties.static_friction;
-        finger.error_degrees = contact.error_degrees;
+        const bool is_range = scene_.depth.semantics == DepthSemantics::range;
+        const double depth = is_range ? glm::length(contact.proxy) : -contact.proxy.z;
+        finger.error_degrees = depth <= opened_.error_bars_to ? contact.error_degrees : std::nan("");
         shown_.newtons = std::max(shown_.newtons, finger.newtons);
     }
 
@@ -418,7 +421,9 @@ private:
                              [this](auto... command) { return log_->ask(command...); }};
     MediaMoment moment_;  // of the next tick
     SurfaceTimeline timeline_{4};
-    const std::unique_ptr<SurfaceBuilder> builder_ = with_error_bars(make_cpu_builder(scene_), scene_);
+    const std::unique_ptr<SurfaceBuilder> builder_ = opened_.error_bars_to > 0
+                                                         ? with_error_bars(make_cpu_builder(scene_), scene_)
+                                                         : make_cpu_builder(scene_);
     const bool remembers_ = FilterPlan(scene_).remembers();
     bool is_full_ = false;
     ReadPlace place_;
@@ -452,7 +457,8 @@ std::span<const T> taken(std::size_t count) {
     return {reinterpret_cast<const T*>(inbox.data()), count};
 }
 
-Result<void> open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live) {
+Result<void> open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live,
+                        double error_bars_to) {
     const auto values = taken<double>(numbers + times);
     TRY_ASSIGN(Scene scene, scene_of_numbers(values.first(numbers)));
     if (times > 0) {
@@ -460,7 +466,8 @@ Result<void> open_scene(std::size_t numbers, std::size_t times, double frames, b
         if (!rate) return input_error("the clip's times do not increase");
         scene.rate = std::move(*rate);
     }
-    clip = std::make_unique<Clip>(OpenedClip{std::move(scene), static_cast<std::int64_t>(frames), is_live});
+    clip = std::make_unique<Clip>(
+        OpenedClip{std::move(scene), static_cast<std::int64_t>(frames), is_live, error_bars_to});
     return {};
 }
 
@@ -536,9 +543,11 @@ Result<void> open_picture(double metres, bool is_white_near, double degrees) {
     raw.depth = codes.view();
     DepthEstimator estimator(scene);
     estimator.add(raw);
-    choose_filters(estimator.measured(), all_unstated, scene);
+    const auto measured = estimator.measured();
+    choose_filters(measured, all_unstated, scene);
     TRY(validate(scene));
-    clip = std::make_unique<Clip>(OpenedClip{std::move(scene)});
+    const double error_bars_to = measured ? measured->error_bars_to(scene.filter) : 0;
+    clip = std::make_unique<Clip>(OpenedClip{std::move(scene), 1, false, error_bars_to});
     clip->set_plane(depth_role, raw.depth, std::move(codes.samples));
     return {};
 }
@@ -560,8 +569,9 @@ struct PageExports {
     }
     /// In `room`: the scene's numbers, and the frames' own times, ns, as doubles.
     EXPORTED(open_scene)
-    static int open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live) {
-        return worked(touchable::open_scene(numbers, times, frames, is_live));
+    static int open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live,
+                          double error_bars_to) {
+        return worked(touchable::open_scene(numbers, times, frames, is_live, error_bars_to));
     }
     /// In `room`: a picture's values, of 8 or 16 bits.
     EXPORTED(read_picture) static int read_picture(int width, int height, int bits) {

@@ -86,7 +86,7 @@ async function open({url, files, json, wasm, calm, gone}) {
     refuse("The clip is of another version than this page. touchable convert --web of the page's version writes one.");
   put(Float64Array.from([...packed.numbers, ...times]));
   const known_frames = live ? Number.MAX_SAFE_INTEGER : frames;
-  check(engine.open_scene(packed.numbers.length, times.length, known_frames, live ? 1 : 0));
+  check(engine.open_scene(packed.numbers.length, times.length, known_frames, live ? 1 : 0, packed.error_bars_to));
   const rate = numbers['rate.num'] / numbers['rate.den'];
   met(packed, {
     name: String(name ?? ''), remarks: (remarks ?? []).map(String), frames, live: live !== null,

@@ -106,6 +106,8 @@ Ordered json_of(const SceneDescription& described, const RawFrame& first) {
         pictures.scene.rate = rate_of_own_times(*times).value_or(described.scene.rate);
     for (const SceneNumber& number : numbers_of(pictures.scene))
         json["numbers"][number.name] = std::isnan(number.value) ? Ordered() : Ordered(number.value);
+    if (const double to = described.error_bars_to; to > 0)
+        json["error_bars_to"] = std::isinf(to) ? Ordered() : Ordered(to);
     for (const PlaneRole role : all_roles) {
         const PlaneView& plane = plane_of(first, role);
         if (plane.empty()) continue;

@@ -598,6 +598,7 @@ struct SceneDescription {
     /// If not empty, haptic pictures hold material indices; their reader makes properties of them, by
     /// Scene::haptic, whose ranges hold them all. By index, each once, at most 256.
     std::vector<Material> materials{};
+    double error_bars_to = 0;  ///< MeasuredDepth::error_bars_to, where it was measured
 };
 
 /// As `validate` of a scene, for what is known already.

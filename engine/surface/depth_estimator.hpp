@@ -11,6 +11,7 @@
 // Threads: one at a time; a stop request takes effect between steps.
 
 #include <deque>
+#include <limits>
 #include <memory>
 
 #include "engine/base/result.hpp"
@@ -71,6 +72,12 @@ struct MeasuredDepth {
     /// Depth beyond which these filters leave too much noise for force to be trusted. Nothing: nothing is so
     /// far away, or it was not found.
     std::optional<double> trusted_to(const FilterSettings& filter) const;
+    /// Depth up to which error bars (ErrorSigns) hold: not of depth without noise, whose bars are the scene's
+    /// own bends, nor beyond `trusted_to`. 0: nowhere; infinity: everywhere.
+    double error_bars_to(const FilterSettings& filter) const {
+        constexpr double everywhere = std::numeric_limits<double>::infinity();
+        return is_searched() ? trusted_to(filter).value_or(everywhere) : 0;
+    }
 };
 
 /// Measures the frames of a clip from the first one on; of pictures larger than 4096x4096 the middle. The

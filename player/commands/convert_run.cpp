@@ -361,7 +361,8 @@ public:
         TRY_ASSIGN(auto part, part_of_clip(std::move(clip), part_));
         if (options_.form == ClipForm::web) {
             filtered_ = part->scene();
-            TRY(settle_filters(part, part->unstated_filters(), *filtered_));
+            TRY_ASSIGN(const auto chosen, settle_filters(part, part->unstated_filters(), *filtered_));
+            error_bars_to_ = error_bars_to(chosen, filtered_->filter);
         }
         source_ = std::move(part);
         if (options_.form == ClipForm::lerobot) {
@@ -480,6 +481,7 @@ private:
         if (filtered_) {
             described.scene.filter = filtered_->filter;
             described.unstated.filters = {};
+            described.error_bars_to = error_bars_to_;
         }
         done_.scene = described.scene;
         say_what_mpeg4_cannot(described.scene);
@@ -635,6 +637,7 @@ private:
     std::optional<Stroke> stroke_;       // over the source, if its size or codes change
     std::optional<LeRobotCodes> codes_;  // for a video for LeRobot
     std::optional<Scene> filtered_;      // for a page: with all filters settled
+    double error_bars_to_ = 0;           // of that scene
     Converted done_;
 };
 

@@ -166,6 +166,7 @@ private:
             TRY_ASSIGN(auto opened, open_chosen(options_.clip, Colour::wanted));
             clip_ = std::move(opened.reader);
             described_ = std::move(opened.scene);
+            described_.error_bars_to = error_bars_to(opened.chosen, described_.scene.filter);
         } else {
             TRY_ASSIGN(clip_, options_.clip.open());
             described_ = clip_->described();

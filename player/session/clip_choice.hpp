@@ -53,10 +53,14 @@ Result<std::optional<ChosenFilters>> settle_filters(std::unique_ptr<ClipReader>&
 
 /// Of depth too far away (MeasuredDepth::trusted_to).
 inline constexpr const char* not_trusted_words = "its force cannot be trusted";
-/// Whether error bars (ErrorSigns) hold at this depth, scene units: not of depth without noise, whose bars
-/// are the scene's own bends, nor too far away.
+/// Whether error bars (ErrorSigns) hold at this depth, scene units.
 inline bool error_bars_hold(const MeasuredDepth& measured, const FilterSettings& filter, double depth) {
-    return measured.is_searched() && depth <= measured.trusted_to(filter).value_or(depth);
+    return depth <= measured.error_bars_to(filter);
+}
+
+/// MeasuredDepth::error_bars_to; 0: nothing was measured.
+inline double error_bars_to(const std::optional<ChosenFilters>& chosen, const FilterSettings& filter) {
+    return chosen && chosen->measured ? chosen->measured->error_bars_to(filter) : 0;
 }
 
 /// The filters of a scene and the reason for each: "terraces (levels 11.4 mm apart at 2 m), temporal for 3.2

@@ -250,10 +250,24 @@ class Page(unittest.TestCase):
         self.browser.wait("return touchable.state.newtons > 0")
         self.browser.key("i")
         self.browser.wait(said.replace(";", "") + ".includes('millimetres deep')")
-        self.assertRegex(self.browser.run(said), begin + f"{number} millimetres deep, {number} newtons")
+        # The globe has no noise, so that no error bar holds.
+        self.assertRegex(self.browser.run(said), begin + f"{number} millimetres deep, {number} newtons$")
         self.browser.key("Enter", what="up")
         self.browser.wait("return touchable.state.newtons === 0")
         self.expect_no_errors()
+
+    def test_shows_error_bars_of_noise(self):
+        film = CLIPS.folder / "made/film"
+        film.mkdir()
+        random.seed(7)
+        for frame in range(4):
+            rows = [b"".join(struct.pack(">H", 1000 + y + round(random.gauss(0, 3))) for _ in range(320)) for y in range(240)]
+            (film / f"depth_{frame:06}.png").write_bytes(png(320, 240, b"", rows=rows))
+        CLIPS.run("convert", film, CLIPS.folder / "film", "--web")
+        self.open("globe/index.html?clip=../film/clip.json")
+        self.press()
+        self.browser.wait("return touchable.state.fingers.some(finger => finger.error_degrees > 0)", 20)
+        self.release()
 
     def test_forces_equal_native_ones(self):
         for name in ("globe", "rough", "recording", "packed_1"):
