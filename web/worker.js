@@ -83,7 +83,8 @@ async function open({url, files, json, wasm, calm, gone}) {
   if (packed.text === gone?.text) throw gone.error;
   const {times, frames, live, json: {name, remarks, numbers}} = packed;
   if (text_at(engine.scene_names()) !== Object.keys(numbers).join('\n'))
-    refuse("The clip is of another version than this page. touchable convert --web of the page's version writes one.");
+    throw Object.assign(new Error('The clip is of another version than this page. ' +
+      "touchable convert --web of the page's version writes one."), {is_final: true});
   put(Float64Array.from([...packed.numbers, ...times]));
   const known_frames = live ? Number.MAX_SAFE_INTEGER : frames;
   check(engine.open_scene(packed.numbers.length, times.length, known_frames, live ? 1 : 0, packed.error_bars_to));
@@ -174,22 +175,21 @@ async function feed() {
       return faulty(error, true);
     }
     const {base: url, text} = clip, calm = stands_still;
-    in_turn(() => of === session && open({url, calm, gone: {error, text}}));
+    in_turn(() => of === session && open({url, calm, gone: {error, text}})).catch(faulty);
   }
 }
 
 /** Shows a live clip, and connects again when it breaks off; to another clip if its server has one by then. */
 async function follow() {
-  const of = session, {json, base, live} = clip;
+  const of = session, {text, base, live} = clip;
   for (let is_first = true; of === session; is_first = false) {
     try {
-      if (!is_first && JSON.stringify((await PackedClip.open(base)).json) !== JSON.stringify(json)) {
-        if (of === session) onmessage({data: {do: 'open', url: base, calm: stands_still}});
-        return;
-      }
-      await show_framesets(live_framesets(new URL(live, base), clip.planes, of.live_stop.signal), of);
+      if (is_first || (await PackedClip.open(base)).text === text)
+        await show_framesets(live_framesets(new URL(live, base), clip.planes, of.live_stop.signal), of);
+      else
+        await in_turn(() => of === session && open({url: base, calm: stands_still}));
     } catch (error) {
-      error.message += ' The page connects again by itself.';
+      if (!error.is_final) error.message += ' The page connects again by itself.';
       if (of === session && of.failed !== error.message) faulty(error);
       of.failed = error.message;
     }
@@ -313,9 +313,9 @@ function reset() {
 function faulty(error, again = false) {
   // After a trap, or without memory, nothing that the engine has can be relied on.
   const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
-  if (trapped) engine = clip = session = undefined;
+  if (trapped || error.is_final) engine = clip = session = undefined;
   const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : error.message;
-  postMessage({is: 'fault', text, fatal: !clip || trapped, again});
+  postMessage({is: 'fault', text, fatal: !clip, again});
 }
 
 const work = {
@@ -350,10 +350,12 @@ const work = {
 };
 
 let queue = Promise.resolve();
-/** One thing after the other: what opens or verifies a clip is not disturbed. */
+/** One thing after the other: what opens or verifies a clip is not disturbed. The caller handles a job's fault. */
 function in_turn(job) {
-  queue = queue.then(job).catch(faulty);
+  const done = queue.then(job);
+  queue = done.catch(() => {});
+  return done;
 }
 onmessage = ({data}) => in_turn(async () => {
   if (clip || ['open', 'read', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
-});
+}).catch(faulty);

@@ -463,8 +463,9 @@ class Page(unittest.TestCase):
         size = depth.pop("sizes")[0]
         packet = (CLIPS.folder / "globe" / depth["file"]).read_bytes()[:size]
 
-        def live(name):
-            text = json.dumps({**clip, "name": name, "live": "live", "planes": {"depth": depth}})
+        def live(name, numbers={}):
+            scene = {**clip["numbers"], **numbers}
+            text = json.dumps({**clip, "name": name, "live": "live", "planes": {"depth": depth}, "numbers": scene})
             frameset = struct.pack("<4Id", size, 0, 0, 0, 0) + packet
             return {"globe/clip.json": text.encode(), "globe/live": 3 * frameset}
 
@@ -473,8 +474,12 @@ class Page(unittest.TestCase):
             self.browser.wait("return touchable.state.frame > 6")  # of the third connection
             server.changed["globe/live"] = None
             self.browser.wait(SHOWN + "return /404/.test(shown)")
-            server.changed.update(live("another"))  # as of a server that was started anew
+            server.changed.update(live("another", {"depth.bits": 99}))  # as of a server that is being started
+            self.browser.wait(SHOWN + "return /no scene has/.test(shown)")
+            server.changed.update(live("another"))
             self.browser.wait(SHOWN + "return touchable.clip.name === 'another' && touchable.state?.frame > 0 && !shown")
+            server.changed.update(live("newer", {"unknown": 1}))
+            self.browser.wait(SHOWN + "return /another version/.test(shown) && !document.getElementById('again').hidden")
 
     def test_a_slow_page_sees_all_of_a_clip(self):
         worker = next((CLIPS.folder / "globe").glob("worker-*.js"))
