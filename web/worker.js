@@ -73,8 +73,8 @@ const play = (verb, number = 0) => check(engine.play(verb, number));
 
 // ---- Opening
 
-/** `gone`: {error, text} of a clip with a file that is gone, and its clip.json: the error stands, and is fatal, unless
- *  another clip has taken its place. */
+/** `gone`: {error, text} if the open clip has lost a file; `text` is its clip.json. If the server still has the same
+ *  clip.json, the error is thrown and is fatal. */
 async function open({url, files, json, wasm, calm, gone}) {
   stands_still = calm;
   if (gone) clip = undefined;
@@ -324,13 +324,15 @@ const work = {
     run_elapsed();
     engine.event(event_kinds.indexOf(kind), button, x, y, control, shift, touch, seconds, press, turning);
   },
-  play: ({verb, number}) => play(verb, number),
+  play({verb, number}) {
+    play(verb, number);
+    if (session.failed) work.go_on(); // the page's notice may have been closed
+  },
   hand: ({verb, a, b}) => engine.hand(verb, a, b),
-  /** After a fault: what was fetched may have been damaged. */
+  /** After a fault: frames are fetched again from the next tick on, as what was fetched may have been damaged. */
   go_on() {
     for (const plane of Object.values(clip.planes)) plane.kept = [];
     session.feeding = false;
-    feed();
   },
   /** Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name. */
   async lab({name, numbers}) {
