@@ -72,7 +72,7 @@ function stop(text) {
     show_fault(text, true);
     $('bar').hidden = true;
 }
-// The page begins anew, once its server has it again: a page that cannot be loaded would not try again.
+// Reloads the page if its server answers. Otherwise the page stays: one that could not be loaded would not try again.
 async function begin_anew() {
     if (over) show_message('Trying again …');
     const can_load = !location.protocol.startsWith('http') ||
@@ -369,7 +369,7 @@ async function ask_picture(file) {
     const bytes = await file.arrayBuffer().catch(() => show_fault(`${file.name} cannot be read.`));
     if (bytes) post({do: 'read', bytes, name: file.name}, [bytes]);
 }
-// Of the picture that is asked about: what its levels mean, and between which lengths it will lie.
+// Meaning of the picture's levels, as chosen in the dialog; and the nearest and farthest depth that follow from it.
 const is_relative = () => /white|black/.test($('unit').value);
 const metres_a_level = () => (is_relative() ? 0 : Number($('unit').value) || $('level').valueAsNumber / 1000);
 function show_extent({least, most, near, far}) {
