@@ -497,11 +497,11 @@ Result<void> add_error_bars(const RawFrame& first, ClipReader& reader, ClipFacts
     }
     const MeasuredDepth& measured = *facts.measured;
     const FilterSettings& filter = facts.scene.filter;
-    const bool holds_nowhere = measured.trusted_to(filter) == 0;
+    facts.bars_hold = measured.trusted_to(filter) != 0;
     std::vector<double> bars;
     for (const ErrorSigns::Block& block : surface.signs.blocks)
         if (const double bar = surface.signs.bar(block).degrees;
-            bar >= 0 && (holds_nowhere || error_bars_hold(measured, filter, block.depth)))
+            bar >= 0 && (!facts.bars_hold || error_bars_hold(measured, filter, block.depth)))
             bars.push_back(bar);
     if (bars.empty()) return {};
     const auto below = [&](std::size_t tenths) { return sorted_element(bars, bars.size() * tenths / 10); };

@@ -293,7 +293,7 @@ void tell_depth(const ClipFacts& facts, const std::vector<Detail>& details, std:
                                     : "hardly any relief")
                             << ": " << point.filters << (point.is_in_effect ? " (in effect)" : "") << '\n';
     line(out, "levels") << level_words(facts) << '\n';
-    if (const auto& bars = facts.error_degrees; bars && facts.measured->trusted_to(scene.filter) != 0)
+    if (const auto& bars = facts.error_degrees; bars && facts.bars_hold)
         line(out, "error") << "95 of 100 forces err by less than " << short_number((*bars)[1], 2)
                            << " degrees at half of the places (" << direction_jnd_words((*bars)[1]) << "), "
                            << short_number((*bars)[0], 2) << " at the best tenth\n";
@@ -337,7 +337,7 @@ Json to_json(const ClipFacts& facts, const std::vector<Detail>& details) {
     out["first_frame"] = {
         {"invalid_pct", facts.invalid_pct}, {"nearest", facts.nearest}, {"farthest", facts.farthest}};
     out["kappa"] = kappa_json(facts);
-    if (const auto& bars = facts.error_degrees)
+    if (const auto& bars = facts.error_degrees; bars && facts.bars_hold)
         out["error_degrees"] = {{"tenth", (*bars)[0]}, {"half", (*bars)[1]}, {"nine_tenths", (*bars)[2]}};
     out["filters"] = filters_json(scene, facts.chosen, facts.measured);
     out["filters"]["details"] = details_json(details);

@@ -49,7 +49,8 @@ struct ClipFacts {
     /// Bars of a force's direction in one of the first frames (ErrorBar), degrees: a tenth, half, and nine
     /// tenths of its surface have less. Nothing: not known.
     std::optional<std::array<double, 3>> error_degrees;
-    Kappa near, mid, far;  ///< at the near plane (metric without one: `nearest`), between, at far
+    bool bars_hold = false;  ///< somewhere (error_bars_hold); false: they count in the verdict only
+    Kappa near, mid, far;    ///< at the near plane (metric without one: `nearest`), between, at far
 
     bool has_track(const std::string& role) const {
         return std::ranges::find(tracks, role, &TrackInfo::role) != tracks.end();

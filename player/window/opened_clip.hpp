@@ -17,6 +17,7 @@
 #include "player/audio/window_sound.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/run/run_files.hpp"
+#include "player/session/clip_choice.hpp"
 #include "player/session/watched_session.hpp"
 #include "player/window/play_window.hpp"
 #include "player/window/pointer.hpp"
@@ -99,9 +100,15 @@ public:
     }
     bool force_is_on() const { return control_ ? control_->force_is_asked() : device_->force_is_on(); }
     FingerTrails& trails() { return trails_; }
-    /// Adds the surface under fingers, and if `dented`, its displacement: for pictures only.
+    /// Adds the surface under fingers, and if `dented`, its displacement, and drops error bars that do not
+    /// hold: for pictures only.
     void put_on_surface(std::span<FingerMark> marks, const WatchedTick& felt, const HeightField& field,
                         bool dented) const;
+    /// error_bars_hold; false where depth was not measured.
+    bool error_bars_hold_at(double depth) const {
+        const auto& chosen = clip_.measured;
+        return chosen && chosen->measured && error_bars_hold(*chosen->measured, scene_->filter, depth);
+    }
     WindowView& view() { return *view_; }
     const WindowView& view() const { return *view_; }
     const Scene& scene() const { return *scene_; }

@@ -70,7 +70,7 @@ PlaceFacts place_facts(const OpenedClip& clip, const WatchedMoment& moment, cons
     lines.push_back(formatted("friction %.2f, sliding %.2f", values.properties.static_friction,
                               values.properties.dynamic_friction));
     const double degrees = field.error_bar(x, y).degrees;
-    if (degrees >= 0 && measured && error_bars_hold(*measured, scene.filter, values.depth))
+    if (degrees >= 0 && clip.error_bars_hold_at(values.depth))
         lines.push_back(formatted("95 of 100 forces err by less than %.2g degrees", degrees));
     return place;
 }

@@ -195,6 +195,8 @@ TEST(Info, NamesDepthOfNoTrust) {
         json_of({"info", folder / "", "--depth-unit", "0.001", "--fov", "60", "--json"})["filters"].contains(
             "trusted_to"))
         << "pixels are three times as wide";
+    EXPECT_FALSE(json_of(plus(words, {"--json", "--terraces", "off"})).contains("error_degrees"))
+        << "trusted nowhere";
 }
 
 // The example of docs/scene_file.md is what `make globe` writes.

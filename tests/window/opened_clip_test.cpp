@@ -143,6 +143,20 @@ TEST_F(ChangedClip, KeepsItsScale) {
     EXPECT_EQ(scale(*changed->setup), before);
 }
 
+TEST_F(ChangedClip, MarksKeepErrorBarsOfNoise) {
+    for (const bool is_noisy : {false, true}) {
+        MeasuredDepth& measured = choice_.measured.emplace().measured.emplace();
+        measured.pixel = 1;
+        measured.roughness = is_noisy ? 1 : 0;
+        begin();
+        ASSERT_TRUE(comes_true([&] { return clip_->session().look() != nullptr; }));
+        const HeightField field(clip_->scene(), clip_->session().look()->held.pair);
+        FingerMark mark{.proxy = {0, 0, -clip_->scene().depth.near}, .error_degrees = 9};
+        clip_->put_on_surface({&mark, 1}, {}, field, false);
+        EXPECT_EQ(std::isnan(mark.error_degrees), !is_noisy);
+    }
+}
+
 /// How often each frame of a clip was read, and how often the clip was opened.
 struct ReadClip {
     std::map<std::int64_t, int> times;
