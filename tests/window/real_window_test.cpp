@@ -297,17 +297,20 @@ for second in $(seq 60); do test -e touchable-1.png && break; sleep 1; done
 
 /// Its server is stopped, at rest or while a picture is due; one signal ends the window.
 TEST_F(RealWindow, HungDisplayEndsOnSignal) {
-    for (const char* const moves : {"", "xdotool key space sleep 0.3\n"}) {
+    const std::pair<std::string, std::string> rows[] = {
+        {"", "TERM"}, {"", "INT"}, {"xdotool key space sleep 0.3\n", "TERM"}};
+    for (const auto& [moves, signal] : rows) {
         std::filesystem::remove(folder / "hand.touch");
         const int code =
             run("play globe.mkv --loop 0 1 --size 400x300 --painter cpu --record hand.touch", std::string(R"(
 xdotool mousemove 200 140 sleep 0.3 mousedown 1 sleep 0.6
 )") + moves + R"(
-kill -STOP $server; sleep 1; kill $program
+kill -STOP $server; sleep 1; kill -)" + signal + R"( $program
 for k in $(seq 300); do kill -0 $program 2>kill.log || break; sleep 0.1; done
 kill -9 $program 2>kill.log
 kill -CONT $server
-)");
+)",
+                "set -m  # a shell's background ignores Ctrl-C\n");
         EXPECT_EQ(code, 130);
         EXPECT_EQ(text("err"), "touchable: interrupted; written up to there: --record\n");
         replayed(folder.path(), "hand.touch");
