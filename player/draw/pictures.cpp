@@ -67,19 +67,25 @@ public:
                    height = static_cast<std::size_t>(camera.height);
         PicturePlanes planes{camera.width, camera.height, std::vector<float>(width * height),
                              std::vector<PackedColour>(width * height)};
+        const MappedLattice lattice{
+            surface.q.data(), surface.colours.data(), surface.width, surface.height, 1, surface.fills_gaps};
+        const std::vector<PackedColour> background(height);
+        if (OwnViewPicture::draws(camera)) {
+            own_view_.draw(lattice, camera, background, planes.colours, planes.z);
+            return planes;
+        }
         edges_.clear();
         if (!is_own_view(camera))
             edges_.find(edge_lattice(surface.q.data(), surface.width, surface.height, surface.width, 1,
                                      surface.focal_length));
-        raster_.draw(
-            {surface.q.data(), surface.colours.data(), surface.width, surface.height, 1, surface.fills_gaps},
-            edges_, camera, std::vector<PackedColour>(height), planes.colours, planes.z);
+        raster_.draw(lattice, edges_, camera, background, planes.colours, planes.z);
         return planes;
     }
 
 private:
     SurfaceEdges edges_{CpuLattices::usual_threads()};  // of what is painted
     LatticeRaster raster_{CpuLattices::usual_threads()};
+    OwnViewPicture own_view_;
 };
 
 using OpenGpu = std::function<Result<std::shared_ptr<GpuDevice>>()>;

@@ -79,7 +79,10 @@ protected:
     void compare(const ViewSurface& surface, const ViewCamera& camera, const std::string& what) {
         const PicturePlanes plain = plain_picture(surface, camera),
                             cpu = must(make_cpu_painter()->paint(surface, camera));
-        EXPECT_TRUE(cpu.z == plain.z && cpu.colours == plain.colours) << what;
+        if (is_own_view(camera))  // by cell, not by edge: rounded in another way
+            expect_alike(plain, cpu, 0, "cpu, " + what);
+        else
+            EXPECT_TRUE(cpu.z == plain.z && cpu.colours == plain.colours) << what;
         expect_alike(cpu, must(must(make_raster_painter(gpu))->paint(surface, camera)), 0, "raster, " + what);
         // Triangle hardware rounds places, and the way to z from them, in its own way.
         expect_alike(cpu, must(must(make_mesh_painter(gpu))->paint(surface, camera)), 2, "mesh, " + what);
@@ -141,7 +144,7 @@ TEST_F(Painters, DrawOwnViewExactly) {
             EXPECT_NEAR(planes.z[k] / 10, surface.q[k], 1e-5 * static_cast<double>(surface.q[k]))
                 << painter->name() << " at " << k;
         }
-        EXPECT_GT(drawn, 96 * 64 / 2);
+        EXPECT_EQ(drawn, 96 * 64) << painter->name();
     }
 }
 
