@@ -357,7 +357,8 @@ Error no_display() {
 
 /// All of GLFW, and so all input, runs on a separate thread, the window's thread: keys are processed while
 /// the main thread draws, waits for a GPU or opens something. (GLFW must be used by one thread; only on macOS
-/// must that be the main one.) Vulkan's swapchain belongs to the main thread.
+/// must that be the main one.) A thread of its own presents each picture while the main thread waits, so that
+/// a display that hangs does not keep the program: 0.04 ms of CPU time a picture.
 class GlfwScreen final : public Screen {
 public:
     /// A display that hangs is left behind, with all that waits for it, once the program is asked to stop.
