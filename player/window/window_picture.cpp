@@ -444,8 +444,8 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
     const double since = Clock::seconds_between(last_picture_, begin);
     const bool is_new = seen_.is_other_frame(moment);
     last_picture_ = begin;
-    seen_.remember(moment, clip.shown());
     if (size.width < 1 || size.height < 1) {  // minimised
+        seen_.remember(moment, clip.shown());
         input_.take_events();
         return {};
     }
@@ -481,6 +481,7 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
     if (!is_at_rest_ || !graphics.draw_again()) {
         TRY(surface_.draw(moment, field, drawn_from, marks, clip.sizes(), size.width, size.height,
                           vertex_step(drawn_from)));
+        seen_.remember(moment, clip.shown());
         if (is_at_rest_) graphics.keep_drawn();
     }
     const auto drawn = Clock::now();
