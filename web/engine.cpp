@@ -390,8 +390,7 @@ private:
             finger.depth_mm = -1000 * metres * glm::distance(contact.proxy, under->point);
         finger.stiffness = contact.properties.stiffness / 1000;
         finger.friction = contact.properties.static_friction;
-        const bool is_range = scene_.depth.semantics == DepthSemantics::range;
-        const double depth = is_range ? glm::length(contact.proxy) : -contact.proxy.z;
+        const double depth = depth_of(scene_.depth.semantics, contact.proxy);
         finger.error_degrees = depth <= opened_.error_bars_to ? contact.error_degrees : std::nan("");
         shown_.newtons = std::max(shown_.newtons, finger.newtons);
     }

@@ -408,6 +408,7 @@ Result<void> NewFile::commit_as(const fs::path& name) {
                            ": is there by now, and was not when this run began; it stays as it is");
     if (why != 0) return failed(why);
     committed_ = true;
+    held_ = Descriptor();
     return lasts_ ? sync_names(name.parent_path(), target_) : Result<void>();
 }
 

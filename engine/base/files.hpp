@@ -186,8 +186,8 @@ public:
     /// Refuses a target that is a folder or a device (only a file is ever replaced), and a folder in which no
     /// file can be written. `commit` checks again.
     Result<void> check() const;
-    /// As `check`, and takes the target's name: until this object is destroyed, or its process ends, `hold`
-    /// refuses it to others. For files that take long to write.
+    /// As `check`, and takes the target's name: until `commit`, this object's destructor or its process's
+    /// end, `hold` refuses it to others. For files that take long to write.
     Result<void> hold();
     /// Writes the whole content. An error names the target and the reason.
     Result<void> write(std::string_view text);

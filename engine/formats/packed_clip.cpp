@@ -214,7 +214,7 @@ private:
         return plain;
     }
     /// Removes the files of an earlier clip and page, which clip.json and page no longer name. Without a hash
-    /// in its name, a file is somebody else's unless it is one of `plain`.
+    /// in its name, a file is a person's own unless it is one of `plain`.
     void remove_earlier(const std::set<std::string>& plain) const {
         std::set<std::string> kinds;
         for (const std::string& name : names_) kinds.insert(unhashed(name));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -17,6 +18,10 @@ Camera camera_from_focal_length(double focal_length, double pixel_width, int wid
 
 double planar_depth(const Camera& camera, DepthSemantics semantics, double x, double y, double depth) {
     return semantics == DepthSemantics::range ? depth / camera.ray_length(x, y) : depth;
+}
+
+double depth_of(DepthSemantics semantics, const glm::dvec3& point) {
+    return semantics == DepthSemantics::range ? glm::length(point) : -point.z;
 }
 
 glm::dvec3 unproject(const Camera& camera, double x, double y, double planar_depth) {

@@ -67,6 +67,8 @@ Camera camera_from_focal_length(double focal_length, double pixel_width, int wid
 
 /// Planar depth (along -Z) of a depth of either meaning at pixel (x, y). Scene units.
 double planar_depth(const Camera& camera, DepthSemantics semantics, double x, double y, double depth);
+/// The depth that a pixel would have whose point this is, scene units.
+double depth_of(DepthSemantics semantics, const glm::dvec3& point);
 
 /// World point of pixel (x, y) at a planar depth. Scene units.
 glm::dvec3 unproject(const Camera& camera, double x, double y, double planar_depth);

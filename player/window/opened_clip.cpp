@@ -123,8 +123,7 @@ void OpenedClip::put_on_surface(std::span<FingerMark> marks, const WatchedTick& 
     for (std::size_t k = 0; k < marks.size(); ++k) {
         FingerMark& mark = marks[k];
         if (mark.shown) mark.under = under_finger(field, mark.proxy, sizes_.finger_radius);
-        const bool is_range = scene_->depth.semantics == DepthSemantics::range;
-        if (!error_bars_hold_at(is_range ? glm::length(mark.proxy) : -mark.proxy.z))
+        if (!error_bars_hold_at(depth_of(scene_->depth.semantics, mark.proxy)))
             mark.error_degrees = std::numeric_limits<double>::quiet_NaN();
         if (!dented || !mark.touching) continue;
         const double stiffness =
