@@ -423,6 +423,7 @@ TEST(Mp4StillsWriter, WritesOneFrameOnly) {
     EXPECT_NE(read_bytes(folder / "a.mp4"), bytes);
     auto writer = must(create_mp4_stills(folder / "none.mp4", scene, Existing::keep));
     EXPECT_TRUE(is_refused(writer->finish(), "no frame was given"));
+    writer.reset();  // frees the name
     writer = must(create_mp4_stills(folder / "none.mp4", scene, Existing::keep));
     ASSERT_EQ(message(writer->write(test_frame(scene, 0, {}))), "");
     EXPECT_NE(message(writer->write(test_frame(scene, 1, {}))), "");
