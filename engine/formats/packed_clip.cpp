@@ -4,6 +4,7 @@
 // named by what they hold, so that neither a cache nor a page takes a part of one clip for that of another.
 #include <zlib.h>
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 
@@ -157,7 +158,9 @@ public:
         colour_ = std::move(seen.image);
         return {};
     }
-    PlaneView stored_colour() const override { return colour_.samples.empty() ? PlaneView() : colour_.view(); }
+    PlaneView stored_colour() const override {
+        return colour_.samples.empty() ? PlaneView() : colour_.view();
+    }
 
     Result<fs::path> complete() override {
         if (check_.frames() == 0) return input_error(folder_.string() + ": not written: no frame was given");
@@ -181,7 +184,8 @@ public:
         }
         // The names that stay the same come last, as they open the others: clip and page are the old or the
         // new.
-        std::ranges::partition(names_, [](const std::string& name) { return name != unhashed(name); });
+        std::partition(names_.begin(), names_.end(),
+                       [](const std::string& name) { return name != unhashed(name); });
         names_.push_back(packed_clip_name);
         TRY(hidden_.write(folder_, packed_clip_name, text_of(json_)));
         TRY(hidden_.sync(folder_));
