@@ -409,11 +409,12 @@ class Page(unittest.TestCase):
         if self.browser.name != "Chromium":
             self.skipTest("it cannot be told to stand still")
         moving = CLIPS.folder / "made/moving.mkv"
-        begun = "return touchable.clip.frames === %d && touchable.state.frame >= 0"
+        begun = "return touchable.clip.frames === %d && touchable.state?.frame >= 0"
         CLIPS.make("moving", moving, "--frames", 32)  # more than the page fetches at first
         CLIPS.pack(moving, "site")
         for_ever = {"Cache-Control": "max-age=31536000, immutable"}
         self.browser.reduce_motion(True)
+        self.addCleanup(self.browser.reduce_motion, False)
         with Server(CLIPS.folder, headers=for_ever) as server:
             self.open("site/index.html", server)
             # Of the clip that is open the files go, and with them what was not fetched yet.
@@ -425,7 +426,6 @@ class Page(unittest.TestCase):
             self.open("site/index.html", server)
             self.browser.wait(begun % 32)
             self.expect_no_errors()
-        self.browser.reduce_motion(False)
 
     def test_a_server_that_stops(self):
         for file in (CLIPS.file_of("globe", "depth").name, next(CLIPS.page.glob("engine-*.bin")).name, "clip.json"):
