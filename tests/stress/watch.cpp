@@ -138,7 +138,7 @@ struct Steps {
         missed += share * length(force - from);
         // Near a hole all forces fall with the stiffness.
         if (std::exchange(near_hole, contact.hole_share > 0) || near_hole)
-            missed += length(sent) * std::max(0.0, 1 - k / stiffness);
+            missed += length(sent) * (k < stiffness ? 1 - k / stiffness : 0.0);
         missing = contact.goal_held ? missing + 1 : 0;
         if (missing == 0) last_ramp = ramp;
         double most = steepest * device.max_force;
