@@ -23,7 +23,7 @@ namespace {
 // that decoding would suffer. For a new frame of the clip it is shorter.
 constexpr double picture_pause_ms = 16, slowest_pause_ms = 50, share_of_drawing = 0.95, frame_pause_ms = 8;
 constexpr double words_pause_ms = 200;  // while nothing moves: clock and figures may advance
-constexpr double slow_words_pause_ms = 1000, slow_after_s = 2;  // the same, so long after the last input
+constexpr double slow_words_pause_ms = 1000, slow_after_s = 5;  // the same, once bars have faded
 constexpr double after_input_ms = 300, hint_s = 15;             // buttons fade; hints leave
 constexpr int most_fine_pixels = 1 << 24, longest_side = 8192;  // of a picture with several samples a pixel
 // FingerTrails' nearest_share: a pointer's finger is hidden far from the surface, a device's hardly ever.
