@@ -31,6 +31,6 @@ done
 for command in $commands; do
     LC_ALL=C MANWIDTH=1000 man --local-file "$built/man/touchable-$command.1.gz" >"$work/page"
     "$program" help "$command" all | grep -o -E '^  (-[a-z], )?--[a-z-]+' | sed 's/.*--/--/' | while read -r option; do
-        grep -q -E -e "(^|[ ,])$option( |\$)" "$work/page" || { echo "the page of $command lacks $option"; exit 1; }
+        grep -q -E -e "(^|[ ,])$option([ ,]|\$)" "$work/page" || { echo "the page of $command lacks $option"; exit 1; }
     done
 done
