@@ -99,10 +99,9 @@ double forbidden(const glm::dvec3& force, const glm::dvec3& own) {
     return length(force - with * std::min(1.0, std::sqrt(squared) / std::max(length(with), 1e-12)));
 }
 
-/// The force of a surface that jumped, at the stiffness in effect.
-glm::dvec3 jumped_to(const Contact& contact, double stiffness, const GuardSettings& device) {
-    const double map = contact.properties.stiffness, there = contact.carried_stiffness.value_or(map),
-                 most = stiffness < map ? stiffness : device.max_stiffness;
+/// The force of a surface that jumped, at this stiffness at most.
+glm::dvec3 jumped_to(const Contact& contact, double most) {
+    const double there = contact.carried_stiffness.value_or(contact.properties.stiffness);
     return contact.jumped_force * (there > 0 ? std::min(1.0, most / there) : 1.0);
 }
 
@@ -131,8 +130,10 @@ struct Steps {
         else if (contact.goal_held)
             k *= risen;
         risen = map > 0 ? k / map : 1;
+        const bool is_rising = (out.reasons & guard_rise) != 0;  // k is rounded
         const glm::dvec3 force = risen * contact.force,
-                         from = contact.jumped ? jumped_to(contact, k, device) : own;
+                         from =
+                             contact.jumped ? jumped_to(contact, is_rising ? k : device.max_stiffness) : own;
         const double whole = std::min(length(from), device.max_force);
         share = std::min(1.0, whole > 0 ? length(sent) / whole : share + steepest);
         missed += share * length(force - from);
