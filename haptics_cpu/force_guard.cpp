@@ -357,7 +357,8 @@ BlendedForce JumpCancellation::calm(const Contact& contact, double stiffness) {
     out.presence = presence_;
     out.waiting = waiting_ && contact.touching;
     wanted_ = is_silent() ? dvec3(0.0) : felt;
-    given_ = within(felt, wanted_ + difference);
+    // Without a goal the hand gets what is left of its last force, whatever the surface does meanwhile.
+    given_ = contact.goal_held ? wanted_ + difference : within(felt, wanted_ + difference);
     out.force = given_ == felt || share == 0 ? contact.force : given_ / share;
     // In the air the share is that of the last contact, and comes back as a fade would bring it.
     share_ = felt != dvec3(0.0) ? share_of(given_, felt) : std::min(1.0, share_ + steepest_fade);

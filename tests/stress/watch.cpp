@@ -112,7 +112,7 @@ struct Steps {
     double ramp = 0, last_ramp = 0;             // the guard's
     double missed = 0;                          // N of changes without a goal
     double stiffness = 0, risen = 1;            // N/m in effect; its share of the map's
-    bool near_hole = false, rises = false;      // stiffness is a hole's in part; it rose
+    bool near_hole = false, rises = false;      // stiffness is a hole's in part; it rose, limited or not
     std::uint32_t reasons = 0;
     int missing = 0;  // ticks without a goal
 
@@ -145,8 +145,9 @@ struct Steps {
         double most = steepest * device.max_force;
         if ((out.reasons | reasons) & (guard_ramp | guard_fault))
             most += device.max_force / std::min(device.ramp_in_ticks, device.ramp_out_ticks);
-        rises = ((out.reasons | reasons) & guard_rise) != 0;
-        if (rises) most += std::min(device.rise.per_tick, 1e6) * x;
+        const bool is_limited = ((out.reasons | reasons) & guard_rise) != 0;
+        rises = is_limited || k > stiffness * (1 + 1e-9);
+        if (is_limited) most += std::min(device.rise.per_tick, 1e6) * x;
         if (missing == 0) {
             most += 2 * k * scale * length(contact.goal - goal) + forbidden(sent, ramp * force) +
                     std::exchange(missed, 0.0);
