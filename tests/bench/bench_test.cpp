@@ -10,7 +10,6 @@
 #include <set>
 #include <string>
 
-#include "bench/clocks.hpp"
 #include "bench/gpu/frame_ring.hpp"
 #include "bench/gpu/gpu_cases.hpp"
 #include "bench/loop/stability.hpp"
