@@ -106,8 +106,7 @@ public:
                         bool dented) const;
     /// error_bars_hold; false where depth was not measured.
     bool error_bars_hold_at(double depth) const {
-        const auto& chosen = clip_.measured;
-        return chosen && chosen->measured && error_bars_hold(*chosen->measured, scene_->filter, depth);
+        return depth <= error_bars_to(clip_.measured, scene_->filter);
     }
     WindowView& view() { return *view_; }
     const WindowView& view() const { return *view_; }
