@@ -48,7 +48,8 @@ struct SurfaceObject {
         : of_integers(of_scene),
           of_floats(scene_of_depth(of_scene, TOUCH_F32)),
           settings(of_program),
-          timeline(settings.frames) {}
+          timeline(std::max(settings.frames, 4)),
+          has_solver(settings.frames == 1) {}
 
     /// Before the first frame: settles the scene by its depth.
     void settle(std::int32_t sample) {
@@ -56,6 +57,7 @@ struct SurfaceObject {
         scratch.integer_scale = integer_scale_after(of_integers, sample);
         builder = make_cpu_builder(settled, CpuPlan{settings.threads});
         if (settings.error_bars == 1) builder = with_error_bars(std::move(builder), settled);
+        floats = std::make_unique<FilteredDepth>(settled);
         chosen.store(&settled, std::memory_order_release);
     }
     /// A solver's thread calls it after it has looked for frames.
@@ -70,12 +72,14 @@ struct SurfaceObject {
     const touch_surface_settings settings;
     std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards the members up to the timeline
     std::unique_ptr<SurfaceBuilder> builder;
+    std::unique_ptr<FilteredDepth> floats;
+    const SurfaceFrame* pushed = nullptr;  ///< last; it stays until the next one is built
     bool epoch_has_ended = false;
     std::optional<FramePlace> newest;  ///< of this epoch
     FrameScratch scratch;
     std::atomic<double> hand_scale{0};  ///< 0 until there is a frame
     SurfaceTimeline timeline;
-    std::atomic<bool> has_solver{false};
+    std::atomic<bool> has_solver;  ///< or needs none
 };
 
 constexpr auto surfaces = handles<SurfaceObject, 2, Forked::refused>;
@@ -221,12 +225,7 @@ Result<std::optional<MeasuredDepth>> measure(const Scene& scene, const unsigned 
 
 const std::vector<float>& metres_of_codes(const SceneObject& object) {
     std::call_once(object.has_metres, [&] {
-        const DepthCoding& coding = object.scene().depth;
-        std::vector<float> metres(std::size_t{1} << 16, std::numeric_limits<float>::quiet_NaN());
-        for (std::size_t code = 0; code < metres.size(); ++code)
-            if (const auto stored = static_cast<std::uint16_t>(code); coding.is_valid(stored))
-                metres[code] = static_cast<float>(coding.depth(stored) * object.scene().metres_per_unit);
-        object.metres = std::move(metres);
+        object.metres = touchable::metres_of_codes(object.scene().depth, object.scene().metres_per_unit);
     });
     return object.metres;
 }
@@ -240,6 +239,17 @@ void write_metres(const PlaneView& depth, const DepthCoding& coding, const std::
         for (int x = 0; x < depth.width; ++x, to += sizeof(float))
             std::memcpy(to, &metres[is_wide ? samples[x] : stored_code(depth, coding, x, y)], sizeof(float));
     }
+}
+
+/// A program's memory for `count` floats in each row; none if it has none.
+Result<FloatRows> rows_for(const std::string& name, float* data, std::int64_t stride, int count) {
+    if (!data) return FloatRows{};
+    const std::int64_t row = std::int64_t{count} * std::int64_t{sizeof(float)};
+    if (std::abs(stride) < row || std::abs(stride) > (std::int64_t{1} << 40) || stride % 4 != 0 ||
+        reinterpret_cast<std::uintptr_t>(data) % alignof(float) != 0)
+        return usage_error(name + "_stride_bytes is " + std::to_string(stride) + "; must be at least " +
+                           std::to_string(row) + " and, like the address, a multiple of 4");
+    return FloatRows{data, stride};
 }
 
 constexpr touch_surface_settings default_surface_settings{sizeof(touch_surface_settings), 1, 4, 0};
@@ -260,11 +270,16 @@ Result<touch_status> push(SurfaceObject& surface, const touch_frame& frame, touc
     if (surface.epoch_has_ended) return usage_error("the epoch has ended; begin another one first");
     if (surface.newest && (raw.number <= surface.newest->number || raw.time_ns <= surface.newest->time_ns))
         return usage_error("the frame's number or time_ns is not later than the one before");
+    surface.pushed = nullptr;
     TRY(surface.builder->build(raw, *slot));
     if (surface.hand_scale.load(std::memory_order_relaxed) == 0)
         surface.hand_scale.store(hand_scale_of(surface.scene(), *slot), std::memory_order_release);
     TRY(surface.timeline.publish(raw.number, raw.time_ns));
     surface.newest = {raw.number, raw.time_ns};
+    surface.pushed = slot;
+    // Without a solver this thread is the reader, and gives earlier frames up.
+    FramePair pair;
+    if (surface.settings.frames == 1) surface.timeline.pair_at({raw.epoch, raw.time_ns, raw.time_ns}, pair);
     return TOUCH_OK;
 }
 
@@ -316,8 +331,10 @@ Result<TouchSolver> solver_of(const SurfaceObject& surface, const touch_solver_s
     return made;
 }
 
-touch_status fail_has_solver(touch_error* error) {
-    return fail(error, TOUCH_BUSY, "the surface has a solver already; destroy that first");
+touch_status fail_has_reader(const touch_surface_settings& settings, touch_error* error) {
+    return settings.frames == 1
+               ? fail(error, TOUCH_USAGE, "the surface keeps 1 frame, for its filters alone; make one of 4")
+               : fail(error, TOUCH_BUSY, "the surface has a solver already; destroy that first");
 }
 
 touch_vec3 vec3_of(const glm::dvec3& from) {
@@ -539,8 +556,8 @@ touch_status touch_surface_create(touch_scene scene, const touch_surface_setting
         const touch_surface_settings wanted = over_defaults(settings, default_surface_settings);
         if (wanted.threads < 1 || wanted.threads > 16)
             return usage_error("threads is out of range; must be 1 to 16");
-        if (wanted.frames < 4 || wanted.frames > 64)
-            return usage_error("frames is out of range; must be 4 to 64");
+        if (wanted.frames != 1 && (wanted.frames < 4 || wanted.frames > 64))
+            return usage_error("frames is out of range; must be 4 to 64, or 1 without a solver");
         if (wanted.error_bars != 0 && wanted.error_bars != 1)
             return usage_error("error_bars is out of range; must be 0 or 1");
         const auto use = scenes().find(scene.id);
@@ -603,6 +620,31 @@ touch_status touch_surface_hand_scale(touch_surface surface, double* metres_per_
     });
 }
 
+touch_status touch_surface_filtered(touch_surface surface, const touch_filtered* filtered,
+                                    touch_error* error) {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
+        if (!has_known_size(filtered))
+            return usage_error("filtered is NULL, or struct_size is not sizeof(touch_filtered)");
+        const auto use = surfaces().find(surface.id);
+        if (!use) return fail_without(use, error, "surface");
+        const TryLock lock(use->pushing);
+        if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
+        if (!use->pushed) return usage_error("no frame was pushed yet; push the first one before");
+        TRY_ASSIGN(const auto metres,
+                   rows_for("metres", filtered->metres, filtered->metres_stride_bytes, use->pushed->width));
+        TRY_ASSIGN(const auto normals, rows_for("normals", filtered->normals, filtered->normals_stride_bytes,
+                                                3 * use->pushed->width));
+        TRY_ASSIGN(const auto degrees, rows_for("error_degrees", filtered->error_degrees,
+                                                filtered->error_degrees_stride_bytes, use->pushed->width));
+        if (degrees.data && use->settings.error_bars == 0)
+            return usage_error("error_degrees needs a surface with error_bars");
+        if (metres.data) use->floats->metres(*use->pushed, metres);
+        if (normals.data) use->floats->normals(*use->pushed, normals);
+        if (degrees.data) use->floats->error_degrees(*use->pushed, degrees);
+        return TOUCH_OK;
+    });
+}
+
 touch_status touch_surface_destroy(touch_surface surface) {
     return end(surfaces(), surface);
 }
@@ -623,7 +665,7 @@ touch_status touch_solver_create(touch_surface surface, const touch_solver_setti
         if (!use) return fail_without(use, error, "surface");
         TRY_ASSIGN(const auto made, solver_of(*use, wanted));
         Reading reading(std::move(use));
-        if (!reading) return fail_has_solver(error);
+        if (!reading) return fail_has_reader(reading->settings, error);
         return give_handle(
             solvers(),
             std::make_shared<SolverObject>(std::move(reading), made, guard_of(wanted), wanted.fingers),
@@ -698,7 +740,7 @@ touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_s
         if (!use) return fail_without(use, error, "surface");
         TRY_ASSIGN(const auto solver, solver_of(*use, wanted));
         const Reading reading(std::move(use));
-        if (!reading) return fail_has_solver(error);
+        if (!reading) return fail_has_reader(reading->settings, error);
         FramePair pair;
         if (!reading->timeline.pair_at(MediaMoment{at.epoch, at.time_ns, at.epoch_start_ns}, pair))
             return usage_error("no frame was pushed yet; push the first one before");

@@ -218,7 +218,8 @@ typedef struct touch_surface {
 typedef struct touch_surface_settings {
     uint32_t struct_size; /**< sizeof this struct in your program; you set it */
     int32_t threads; /**< that filter a frame, with the caller's: 1 to 16; more than 1 starts threads. Default 1 */
-    int32_t frames;  /**< kept at once, 4 to 64; default 4: those that the solver reads, and two more */
+    int32_t frames;  /**< kept at once, 4 to 64; default 4: those that the solver reads, and two more. Or 1: the newest,
+                        for touch_surface_filtered; the surface is never full, and has no solver */
     int32_t error_bars; /**< 1: frames are measured for how wrong their touch may be (touch_contact: error_degrees); 0,
                            the default: they are not */
 } touch_surface_settings;
@@ -246,6 +247,25 @@ TOUCH_API touch_status touch_surface_newest_ns(touch_surface surface, int64_t *t
  * the picture's width at the median depth of the first frame pushed is 0.16 m. TOUCH_USAGE before that frame. */
 TOUCH_API touch_status touch_surface_hand_scale(touch_surface surface, double *metres_per_scene_unit,
                                                 touch_error *error);
+/** Memory for what filters make of a frame's depth: floats, row by row, each row `..._stride_bytes` after the one
+ * before, a multiple of 4. NULL: not wanted. NaN: no surface. */
+typedef struct touch_filtered {
+    uint32_t struct_size; /**< sizeof this struct in your program; you set it */
+    int32_t reserved;     /**< 0 */
+    float *metres;        /**< width floats a row: depth, as the scene's depth_kind measures it */
+    int64_t metres_stride_bytes; /**< at least 4 * width */
+    float *normals;       /**< 3 * width floats a row: the surface's unit normal (x, y, z), towards the camera. NaN also where
+                             no neighbour shows how the surface lies */
+    int64_t normals_stride_bytes; /**< at least 12 * width */
+    float *error_degrees; /**< width floats a row: about 95 of 100 normals are off by less (docs/measurements.md, Error bars).
+                             Needs touch_surface_settings.error_bars */
+    int64_t error_degrees_stride_bytes; /**< at least 4 * width */
+} touch_filtered;
+
+/** Hands out the frame pushed last as its filters leave it (touch_scene_with_filters chooses them). TOUCH_USAGE: a stride
+ * that is too small or odd, no frame yet, or error_degrees without error_bars. Threads: that which pushes. Not yet
+ * stable. */
+TOUCH_API touch_status touch_surface_filtered(touch_surface surface, const touch_filtered *filtered, touch_error *error);
 /** Destroys a surface and its frames. TOUCH_BUSY while it has a solver: destroy that first. */
 TOUCH_API touch_status touch_surface_destroy(touch_surface surface);
 

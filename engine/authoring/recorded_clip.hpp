@@ -7,7 +7,7 @@
 // does not lie on depth, depth that pulses, missing or late frames, haptic values that no device renders. It
 // judges nothing. with_filled_holes and with_relief return the clip with depth holes filled with what other
 // frames saw there, or with heights that its colour suggests (docs/content.md): look_at_relief reads some
-// frames to find how strong its details are.
+// frames to find how strong its details are. with_filtered_depth returns it with filters applied.
 //
 // Threads: one uses a reader; stop requests are checked between frames.
 
@@ -99,6 +99,13 @@ Result<ClipQuality> measure_quality(ClipReader& clip, const Scene& scene,
 /// is still read. An error for live sources. Memory: per pixel 48 bytes meanwhile, and 8 for each rest that
 /// is kept, as many as fit into 512 MiB.
 Result<std::unique_ptr<ClipReader>> with_filled_holes(std::unique_ptr<ClipReader> clip);
+
+/// Returns the clip with the depth that `scene`'s filters leave: its scene is filtered_scene(scene), and it
+/// feels as the clip with these filters does, to the bit. Holes stay holes, unless a filter fills them.
+/// `scene`: the clip's, with all filters settled; `filters`: them in words, for a remark. With a temporal
+/// filter a frame depends on those before it: a reader that seeks begins temporal_warm_up_frames earlier.
+std::unique_ptr<ClipReader> with_filtered_depth(std::unique_ptr<ClipReader> clip, const Scene& scene,
+                                                const std::string& filters);
 
 /// Which details of a picture become relief.
 struct ReliefSettings {

@@ -210,7 +210,8 @@ std::string aligned_note(const Looked& looked, const RestingPulse& before, const
 Result<std::unique_ptr<ClipReader>> with_aligned_depth(std::unique_ptr<ClipReader> clip,
                                                        DepthAlignment wanted) {
     const DepthCoding& depth = clip->scene().depth;
-    const bool is_even = depth.kind == DepthCodingKind::linear || depth.kind == DepthCodingKind::inverse;
+    const bool is_even = (depth.kind == DepthCodingKind::linear || depth.kind == DepthCodingKind::inverse) &&
+                         depth.shift == 0;
     if (wanted == DepthAlignment::on && !is_even)
         return usage_error(
             clip->name() +

@@ -2,7 +2,8 @@
 #pragma once
 
 // Writers of the formats that other programs read, besides our own clips (engine/clip): pictures in a folder,
-// one frame as pictures, as an MPEG-4 scene's text or in one MP4 file, a glTF scene, LeRobot's depth video.
+// one frame as pictures, as an MPEG-4 scene's text or in one MP4 file, a glTF scene, depth as floats, LeRobot's
+// depth video.
 //
 // Each create_ function checks that the format can store the clip and returns a ClipWriter, which takes the
 // frames in order; `finish` gives the files their names. Until then the files lie in a hidden folder or file
@@ -37,6 +38,11 @@ Result<std::unique_ptr<ClipWriter>> create_still(const std::filesystem::path& pi
                                                  const SceneDescription& described, Existing existing);
 /// The files of create_still; the second is the scene file.
 std::vector<std::filesystem::path> still_files(const std::filesystem::path& picture);
+
+/// Depth alone, as floats of metres, NaN where there is no surface: NAME.npy, an array (frames, height,
+/// width), or NAME.exr, one frame. NAME.json beside it is the scene file, and opens as the clip.
+Result<std::unique_ptr<ClipWriter>> create_float_depth(const std::filesystem::path& path,
+                                                       const SceneDescription& described, Existing existing);
 
 /// One frame as the paper sends a static scene: NAME.bt, the text of its MPEG-4 scene, beside NAME_depth.png,
 /// NAME_colour.png and so on (docs/codecs.md). The text has a scene file's JSON for what nodes cannot

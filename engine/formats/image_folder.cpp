@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fstream>
 #include <set>
 
 #include "engine/base/threads.hpp"
@@ -597,6 +598,63 @@ private:
     std::vector<std::string> names_;  // of its files, in the order in which they appear
 };
 
+/// Depth alone, as floats.
+class FloatWriter final : public PictureWriter {
+public:
+    FloatWriter(const fs::path& place, const SceneDescription& described, Existing existing)
+        : PictureWriter(place, described, existing, place.parent_path(), place.stem().string() + ".json"),
+          is_exr_(small_letters(place.extension().string()) == ".exr"),
+          metres_(metres_of_codes(scene_.depth, scene_.metres_per_unit)) {}
+
+private:
+    Result<void> write_frame(const RawFrame& frame) override {
+        if (is_exr_ && frames_ > 0) return internal_error(place_.string() + ": is of one frame");
+        std::vector<float> floats;
+        for (int y = 0; y < frame.depth.height; ++y)
+            for (int x = 0; x < frame.depth.width; ++x)
+                floats.push_back(metres_[stored_code(frame.depth, scene_.depth, x, y)]);
+        std::string bytes(reinterpret_cast<const char*>(floats.data()), floats.size() * sizeof(float));
+        if (is_exr_) TRY(assign(bytes, exr_bytes(floats, scene_.width, scene_.height)));
+        if (frames_ == 0) {
+            file_.open(hidden_.path() / place_.filename(), std::ios::binary);
+            if (!is_exr_) file_ << npy_header(0, scene_.height, scene_.width);
+        }
+        file_ << bytes;
+        return written();
+    }
+
+    Result<void> end() override {
+        if (!is_exr_) file_.seekp(0) << npy_header(frames_, scene_.height, scene_.width);
+        file_.close();
+        TRY(written());
+        SceneDescription described = described_pictures();
+        Scene& scene = described.scene;
+        scene.folder->depth = place_.filename().string();
+        scene.depth = {.kind = DepthCodingKind::metric,
+                       .semantics = scene_.depth.semantics,
+                       .near = scene_.depth.kind == DepthCodingKind::metric ? scene_.depth.near : 0,
+                       .far = scene_.depth.far,
+                       .scale = 1 / scene_.metres_per_unit,
+                       .code_max = 65535};
+        scene.depth_bits = 16;
+        scene.height_coding = {};
+        // A scene file's far plane is that of a whole number of its scale: nearer ones are found in the frames.
+        described.unstated.far = scene.depth.far < scene.depth.scale;
+        return write_text(opens_by_, scene_to_json(described));
+    }
+    Result<void> name_it() override {
+        return hidden_.move_to(home_, {place_.filename().string(), opens_by_}, existing_);
+    }
+    Result<void> written() const {
+        if (file_) return {};
+        return unwritable(place_, std::error_code(errno, std::generic_category()));
+    }
+
+    const bool is_exr_;
+    const std::vector<float> metres_;  // of each code
+    std::ofstream file_;
+};
+
 /// The path with all links followed, so that their target is replaced.
 fs::path whole_name(const fs::path& path) {
     std::error_code failure;
@@ -691,6 +749,12 @@ Result<std::unique_ptr<ClipWriter>> create_still(const fs::path& picture, const 
     const StillWriter::Form form{picture.filename().string(), picture.stem().string() + ".json",
                                  scene_to_json};
     return opened_writer<StillWriter>(picture, described, existing, form);
+}
+
+Result<std::unique_ptr<ClipWriter>> create_float_depth(const fs::path& path,
+                                                       const SceneDescription& described, Existing existing) {
+    TRY(check_name(path));
+    return opened_writer<FloatWriter>(path, described, existing);
 }
 
 std::vector<fs::path> still_files(const fs::path& picture) {

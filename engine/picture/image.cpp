@@ -265,6 +265,19 @@ Result<void> write_png(const std::filesystem::path& file, const PlaneView& image
     return output.commit();
 }
 
+Result<std::string> exr_bytes(std::span<const float> samples, int width, int height) {
+    FramePtr frame = blank_picture(AV_PIX_FMT_GRAYF32, width, height);
+    if (!frame) return memory_error();
+    const auto row_bytes = static_cast<std::size_t>(width) * sizeof(float);
+    for (int y = 0; y < height; ++y)
+        std::memcpy(frame->data[0] + static_cast<std::ptrdiff_t>(frame->linesize[0]) * y,
+                    samples.data() + pixel_place(0, y, width), row_bytes);
+    return encode_picture(AV_CODEC_ID_EXR, *frame, [](AVCodecContext&, AVDictionary*& options) {
+        av_dict_set(&options, "compression", "zip16", 0);
+        av_dict_set(&options, "format", "float", 0);
+    });
+}
+
 std::string_view picture_kind(std::string_view begin) {
     const PictureKind* kind = kind_of(begin);
     return kind ? kind->name : std::string_view();

@@ -72,6 +72,11 @@ Result<void> write_png_to(const std::filesystem::path& path, const PlaneView& im
 /// The same, and commits it, over an earlier file.
 Result<void> write_png(const std::filesystem::path& file, const PlaneView& image);
 
+/// An OpenEXR picture of one channel of floats, Y: width x height, row by row.
+Result<std::string> exr_bytes(std::span<const float> samples, int width, int height);
+/// The header of a .npy file of (frames, height, width) floats, little-endian; 128 bytes, however many.
+std::string npy_header(std::int64_t frames, int height, int width);
+
 /// Pixels of a picture's width or height, at most.
 inline constexpr int largest_picture_side = 16384;
 

@@ -598,4 +598,12 @@ Result<StoredImage> decode_npz(std::string_view bytes, const std::string& where)
     return only_image(NpyStack::of(std::move(member), where, {}), name);
 }
 
+std::string npy_header(std::int64_t frames, int height, int width) {
+    std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(frames) + ", " +
+                       std::to_string(height) + ", " + std::to_string(width) + "), }";
+    constexpr std::size_t whole = 118;  // with what is before it 128 bytes
+    text.resize(whole - 1, ' ');
+    return std::string(npy_magic) + std::string("\x01\x00\x76\x00", 4) + text + '\n';
+}
+
 }  // namespace touchable

@@ -68,6 +68,14 @@ TileDepths depths_of(const TileBounds& bounds, const DepthCoding& coding) {
 
 const ErrorSigns::Squares ErrorSigns::weights{{2.06, 26, 18.2, 0.42}, {0.0113, 5.7, 6.37, 0.88}};
 
+std::vector<float> metres_of_codes(const DepthCoding& coding, double metres_per_unit) {
+    std::vector<float> metres(std::size_t{1} << 16, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t code = 0; code < metres.size(); ++code)
+        if (const auto stored = static_cast<std::uint16_t>(code); coding.is_valid(stored))
+            metres[code] = static_cast<float>(coding.depth(stored) * metres_per_unit);
+    return metres;
+}
+
 const ErrorSigns::Block* ErrorSigns::block_at(double x, double y) const {
     if (blocks.empty() || std::isnan(x) || std::isnan(y)) return nullptr;
     const auto nearest = [](double place, int count) {

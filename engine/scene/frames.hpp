@@ -142,6 +142,9 @@ inline std::uint16_t stored_code(const PlaneView& depth, const DepthCoding& codi
     return static_cast<std::uint16_t>(hue_code(rgb[0], rgb[1], rgb[2]));
 }
 
+/// Metres of each of the 65536 codes; NaN: it means no depth.
+std::vector<float> metres_of_codes(const DepthCoding& coding, double metres_per_unit);
+
 /// Whether a stored depth picture has any valid pixel; stops at the first one.
 inline bool has_valid_pixel(const PlaneView& depth, const DepthCoding& coding) {
     for (int y = 0; y < depth.height; ++y)

@@ -114,7 +114,7 @@ Result<void> check_planes(const DepthCoding& depth) {
     TRY(is_log || depth.kind == DepthCodingKind::metric ? check_not_negative("depth.near", depth.near)
                                                         : check_length("depth.near", depth.near));
     TRY(check_length("depth.far", depth.far));
-    if (!is_log) return {};
+    if (!is_log && depth.kind != DepthCodingKind::inverse) return {};
     TRY(check_within("depth.shift", depth.shift, -longest, longest));
     if (depth.near + depth.shift >= shortest) return {};
     return refuse("depth.shift", depth.shift, "greater than -depth.near, which is " + text(-depth.near));

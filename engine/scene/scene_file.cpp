@@ -348,10 +348,10 @@ void read_depth(const Node& node, SceneDescription& described) {
         node["scale"].refuse("left out: only metric depth and disparity have a scale");
     if (!metric && node.has("float_scale"))
         node["float_scale"].refuse("left out: only metric depth has a scale of floats");
-    if (depth.kind == DepthCodingKind::log) {
-        if (node.has("shift")) depth.shift = node["shift"].number();
-    } else if (node.has("shift")) {
-        node["shift"].refuse("left out: only log depth has a shift");
+    if (node.has("shift")) {
+        if (coding != Coding{DepthCodingKind::inverse} && coding != Coding{DepthCodingKind::log})
+            node["shift"].refuse("left out: only inverse and log depth have a shift");
+        depth.shift = node["shift"].number();
     }
     if (!hue && node.has("least_sum")) node["least_sum"].refuse("left out: only a hue has a least sum");
     depth.near_is_high = !hue;

@@ -18,6 +18,7 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/vectors.hpp"
+#include "engine/surface/inverse_depths.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {
@@ -118,8 +119,8 @@ public:
           width_(columns_ * side),
           row_step_(std::max(1, scene.width * scene.height / enough_pixels)),
           strips_((rows_ + row_step_ - 1) / row_step_),
-          bend_step_(std::max(1, static_cast<int>(std::sqrt(columns_ * strips_ / enough_bends)))) {
-        for (int x = 0; x <= width_; ++x) u_.push_back(static_cast<float>(camera_.u(x)));
+          bend_step_(std::max(1, static_cast<int>(std::sqrt(columns_ * strips_ / enough_bends)))),
+          depths_(camera_, width_ + 1) {
         for (int c = 0; c < columns_; ++c)
             u_of_blocks_.push_back(static_cast<float>(camera_.u(middle_of(c))));
     }
@@ -164,33 +165,6 @@ private:
         return pixel_place(column + 1, strip + 1, columns_ + 2);
     }
 
-    /// Inverse planar depths of a row of pixels; 0: invalid.
-    void read_row(const SurfaceFrame& frame, int y, std::vector<float>& q) {
-        const auto count = static_cast<std::size_t>(width_) + 1;
-        q.resize(count);
-        const std::uint16_t* const codes = frame.codes.data() + frame.index(0, y);
-        for (std::size_t x = 0; x < count; ++x) q[x] = of_code_[codes[x]];
-        const std::uint32_t* const valid = frame.validity_row(y);
-        for (std::size_t x = 0; x < count; x += 32)
-            if (const std::uint32_t word = valid[x / 32]; word != ~std::uint32_t{0})
-                for (std::size_t k = x; k < std::min(count, x + 32); ++k)
-                    if (((word >> (k - x)) & 1U) == 0) q[k] = 0;
-        if (frame.coding.semantics != DepthSemantics::range) return;
-        const auto v = static_cast<float>(camera_.v(y)), apart = 1 + v * v;
-        const float* const u = u_.data();
-        float* const lengthened = q.data();
-        for (std::size_t x = 0; x < count; ++x) lengthened[x] *= std::sqrt(apart + u[x] * u[x]);
-    }
-
-    void know_codes(const DepthCoding& coding) {
-        if (!of_code_.empty() && coding == coding_) return;
-        coding_ = coding;
-        of_code_.assign(65536, 0.0F);
-        for (int code = coding.valid_min; code <= coding.valid_max; ++code)
-            of_code_[static_cast<std::size_t>(code)] =
-                static_cast<float>(1 / coding.depth(static_cast<std::uint16_t>(code)));
-    }
-
     void add_row(int y) {
         const Lens lens{static_cast<float>(camera_.fx), static_cast<float>(camera_.fy),
                         static_cast<float>(camera_.cx), static_cast<float>(camera_.cy - y)};
@@ -202,15 +176,14 @@ private:
     }
 
     void add_up(const SurfaceFrame& frame) {
-        know_codes(frame.coding);
         blocks_.assign(pixel_place(0, strips_ + 2, columns_ + 2));
         for (int strip = 0; strip < strips_; ++strip) {
             const int row = row_of(strip);
-            if (strip == 0 || row_step_ > 1) read_row(frame, row * side, lower_);
+            if (strip == 0 || row_step_ > 1) depths_.read_row(frame, row * side, lower_);
             sums_.assign(static_cast<std::size_t>(width_));
             for (int y = row * side; y < (row + 1) * side; ++y) {
                 std::swap(upper_, lower_);
-                read_row(frame, y + 1, lower_);
+                depths_.read_row(frame, y + 1, lower_);
                 add_row(y);
             }
             for (const auto& [from, to] : {std::pair{&sums_.x, &blocks_.x},
@@ -296,9 +269,8 @@ private:
 
     Camera camera_;
     int columns_, rows_, width_, row_step_, strips_, bend_step_;
-    DepthCoding coding_;
-    std::vector<float> u_, u_of_blocks_;  // of rays
-    std::vector<float> of_code_;          // inverse depths
+    InverseDepths depths_;
+    std::vector<float> u_of_blocks_;  // of rays
     std::vector<float> upper_, lower_;
     Sums sums_, blocks_;                  // of columns of `side` faces; of blocks
     std::vector<glm::dvec3> normals_to_;  // of a row's blocks up to a column

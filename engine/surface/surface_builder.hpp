@@ -9,7 +9,8 @@
 // make_reference_builder (plain code, for tests), make_cpu_builder (vectors, rows on several threads, and
 // partial builds of frames that changed little), make_lazy_builder (the paper's: pixels when they are
 // touched), make_fallback_builder (another one, such as the GPU's, until it fails). engine/gpu has the one
-// for Vulkan. make_mesh and write_ply export a frame's surface as triangles.
+// for Vulkan. A frame leaves as stored depth (filtered_scene), as floats (FilteredDepth) or as triangles
+// (make_mesh, write_ply).
 //
 // Threads: one at a time uses a builder, and gives it the frames of an epoch in order. It allocates only
 // until the first frames are built. Errors are lines about the frame (what is wrong with its planes).
@@ -151,6 +152,47 @@ std::unique_ptr<SurfaceBuilder> make_fallback_builder(std::unique_ptr<SurfaceBui
 /// filtered surface shows: docs/measurements.md, Error bars. An error that neither scatters, leans nor bends
 /// the surface, such as a wrong scale, cannot be seen.
 std::unique_ptr<SurfaceBuilder> with_error_bars(std::unique_ptr<SurfaceBuilder> builder, const Scene& scene);
+
+/// The scene of a frame's filtered codes when they are stored as depth: with these codes and no filters, it
+/// gives `scene`'s forces, to the bit. If filters look codes up (WorkingCodes::table), its far plane is the
+/// deepest stored code's depth.
+Scene filtered_scene(Scene scene);
+/// A code that means no depth; nothing if all 65536 codes are valid.
+std::optional<std::uint16_t> code_of_no_depth(const DepthCoding& coding);
+/// Copies a built frame's codes, row by row; invalid pixels get `no_depth`.
+void copy_codes(const SurfaceFrame& frame, std::uint16_t no_depth, std::uint16_t* to);
+
+/// Rows of floats in another owner's memory.
+struct FloatRows {
+    float* data = nullptr;
+    std::ptrdiff_t stride = 0;  ///< bytes from one row to the next
+
+    float* row(int y) const {
+        return reinterpret_cast<float*>(reinterpret_cast<unsigned char*>(data) + stride * y);
+    }
+};
+class InverseDepths;
+/// What filters make of depth, as floats; NaN: no surface. For frames of one scene with codes (not lazy).
+/// Keeps tables of their codes. One thread at a time.
+class FilteredDepth {
+public:
+    explicit FilteredDepth(const Scene& scene);
+    ~FilteredDepth();
+    /// Metres, as the codes measure depth: along -Z or along each pixel's ray.
+    void metres(const SurfaceFrame& frame, const FloatRows& to);
+    /// Unit normals, x, y and z of each pixel, towards the camera; axes of the world (X right, Y up, the
+    /// camera looks along -Z). NaN also where no neighbour shows how the surface lies.
+    void normals(const SurfaceFrame& frame, const FloatRows& to);
+    /// ErrorBar::degrees of each pixel's block, of frames with_error_bars.
+    void error_degrees(const SurfaceFrame& frame, const FloatRows& to) const;
+
+private:
+    const Camera camera_;
+    const double metres_per_unit_;
+    std::unique_ptr<InverseDepths> depths_;
+    DepthCoding coding_;
+    std::vector<float> metres_;  // of each code
+};
 
 /// The surface as triangles in the world (X right, Y up, camera at the origin looking along -Z), in scene
 /// units. Every valid pixel is a vertex, height taken off; every cell of four valid pixels is two triangles,

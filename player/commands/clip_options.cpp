@@ -208,8 +208,21 @@ void add_filter_options(CLI::App& sub, ClipTyped& typed) {
     }
 }
 
+void add_filtered_options(CLI::App& sub, ClipTyped& typed, const std::string& verb) {
+    add_filter_options(sub, typed);
+    typed.filters_need_filtered = true;
+    sub.add_flag("--filtered", typed.filtered,
+                 verb +
+                     " the depth that filters leave, in place of what is stored. Holes stay holes unless a "
+                     "filter fills them");
+}
+
 Result<ClipChoice> read_clip(const ClipTyped& typed) {
     ClipChoice choice = typed.choice;
+    const bool has_filters = choice.filters.stated.any() || choice.filters.measured.any() ||
+                             choice.single_filters.stated.any() || choice.detail;
+    if (has_filters && typed.filters_need_filtered && !typed.filtered)
+        return usage_error("filters are for --filtered: add it, or leave them out");
     TRY_ASSIGN(choice.camera, read_camera(typed.camera));
     if (choice.detail && choice.filters.stated.any())
         return usage_error(

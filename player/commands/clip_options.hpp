@@ -33,6 +33,8 @@ Result<ClipChoice::Filters> read_filters(const std::string& typed);
 struct ClipTyped {
     ClipChoice choice;  ///< without the camera
     CameraTyped camera;
+    bool filtered = false;               ///< --filtered, of commands that have it
+    bool filters_need_filtered = false;  ///< other filters have no effect
 };
 
 /// Adds CLIP, which is returned, --scene, --haptic, --height, --align, --fill-from-motion, and the options of
@@ -41,6 +43,9 @@ CLI::Option* add_clip_options(CLI::App& sub, ClipTyped& typed);
 
 /// Adds --filters and an option for each filter that has one (filter_settings).
 void add_filter_options(CLI::App& sub, ClipTyped& typed);
+
+/// Adds --filtered, and filters that are for it alone. `verb`: what becomes of the depth that they leave.
+void add_filtered_options(CLI::App& sub, ClipTyped& typed, const std::string& verb);
 
 /// Invalid words are refused (ErrorKind::usage).
 Result<ClipChoice> read_clip(const ClipTyped& typed);

@@ -64,11 +64,13 @@ Result<ClipForm> read_form(const fs::path& out) {
     if (ending == ".png") return ClipForm::still;
     if (ending == ".bt") return ClipForm::scene_text;
     if (ending == ".gltf") return ClipForm::gltf;
+    if (ending == ".npy") return ClipForm::floats;
+    if (ending == ".exr") return ClipForm::float_still;
     std::error_code ignored;
     if (ending.empty() || fs::is_directory(out, ignored)) return ClipForm::folder;
     return not_allowed("OUT", out.string(),
-                       "NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, NAME.bt, or the name of a folder, which "
-                       "ends in / if it has a dot");
+                       "NAME.mkv, NAME.mp4, NAME.gltf, NAME.png, NAME.npy, NAME.exr, NAME.bt, or the name "
+                       "of a folder, which ends in / if it has a dot");
 }
 
 /// Refuses options without effect.
@@ -87,7 +89,7 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
         return usage_error("--still is one frame, which has no fragments: leave --fragmented out");
     const bool is_mp4_clip = form == ClipForm::archive && is_mp4_name(typed.options.out);
     TRY(only(!is_mp4_clip && storage.fragmented, "--fragmented", fragmented_names));
-    const char* one = "clips and folders; NAME.png, NAME.bt and --still are one frame, --from says which";
+    const char* one = "clips and folders; NAME.png, .exr, .bt and --still are one frame, --from says which";
     TRY(only(one_frame && typed.to, "--to", one));
     return only(one_frame && typed.command->count("--every") > 0, "--every", one);
 }
@@ -108,6 +110,7 @@ Result<ConvertOptions> read_words(const ConvertTyped& typed) {
     if (options.web) options.form = ClipForm::web;
     TRY(refuse_idle_options(read));
     TRY_ASSIGN(options.clip, read_clip(typed.clip));
+    options.filtered = typed.clip.filtered;
     if (typed.from) TRY(assign(options.from, read_moment("--from", *typed.from)));
     if (typed.to) TRY(assign(options.to, read_moment("--to", *typed.to)));
     TRY_ASSIGN(options.every, read_whole_number<std::int64_t>("--every", typed.every, 1, 1'000'000));
@@ -213,10 +216,14 @@ void add_convert_command(CLI::App& app, Command& command) {
     add_clip_options(*sub, typed->clip)->required();
     add_file_option(
         *sub, "OUT", options.out,
-        "what to write: .mkv, .mp4, .gltf, .png, .bt or a folder. NAME.mkv: a clip; NAME.mp4: the same as "
+        "what to write: .mkv, .mp4, .gltf, .png, .npy, .exr, .bt or a folder. NAME.mkv: a clip; NAME.mp4: "
+        "the same as "
         "MPEG-4; NAME.gltf: a glTF scene for any glTF viewer, beside its NAME.mp4; a name without a dot, or "
         "with / at its end: a folder of pictures that opens again; NAME.png: a depth picture with its scene "
-        "file NAME.json; NAME.bt: one frame as the paper sends a static scene, a text beside its pictures")
+        "file NAME.json; NAME.npy: depth of all frames as floats of metres, an array (frames, height, "
+        "width), "
+        "NAME.exr: of one frame; NAME.bt: one frame as the paper sends a static scene, a text beside its "
+        "pictures")
         ->required();
     add_camera_options(*sub, typed->clip.camera);
     begin_topic(*sub, files_topic);
@@ -248,6 +255,7 @@ void add_convert_command(CLI::App& app, Command& command) {
     sub->add_flag(
         "--allow-lossy", options.allow_lossy,
         "let values of what is touched change. The report says by how much, and what that does to forces");
+    add_filtered_options(*sub, typed->clip, "write");
     set_work(*sub, command, [typed]() -> Result<void> {
         TRY_ASSIGN(const auto chosen, read_words(*typed));
         return run_convert(chosen);

@@ -37,14 +37,18 @@ enum class ClipForm {
     mp4_still,   ///< NAME.mp4 with --still: the same scene in one file
     gltf,        ///< NAME.gltf
     web,         ///< a folder, with --web: a page and its clip
-    lerobot      ///< NAME.mp4 with --lerobot: depth as stored by LeRobot
+    lerobot,     ///< NAME.mp4 with --lerobot: depth as stored by LeRobot
+    floats,      ///< NAME.npy: depth of all frames as floats
+    float_still  ///< NAME.exr: depth of one frame as floats
 };
 inline bool is_one_frame(ClipForm form) {
-    return form == ClipForm::still || form == ClipForm::scene_text || form == ClipForm::mp4_still;
+    return form == ClipForm::still || form == ClipForm::float_still || form == ClipForm::scene_text ||
+           form == ClipForm::mp4_still;
 }
 
 struct ConvertOptions {
-    ClipChoice clip;  ///< its filters are ignored
+    ClipChoice clip;        ///< its filters are ignored unless `filtered`
+    bool filtered = false;  ///< depth becomes what filters leave
     std::filesystem::path out;
     ClipForm form = ClipForm::archive;
     Existing existing = Existing::keep;

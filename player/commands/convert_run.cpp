@@ -57,6 +57,10 @@ std::string loss_in_words(PlaneRole role, const PlaneLoss& loss, bool resized, b
     return words;
 }
 
+bool are_floats(ClipForm form) {
+    return form == ClipForm::floats || form == ClipForm::float_still;
+}
+
 std::string forces_in_words(const ForceComparison& forces) {
     if (forces.both == 0) return "a standard stroke never touches both: what it feels cannot be compared";
     return formatted(
@@ -181,7 +185,7 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
         outputs.push_back({"OUT", options.out});
     if (options.form == ClipForm::web) outputs.push_back({"OUT", options.out / packed_clip_name});
     if (options.form == ClipForm::lerobot) outputs.push_back({"OUT", lerobot_info_file(options.out)});
-    if (is_one_frame(options.form))
+    if (is_one_frame(options.form) || are_floats(options.form))
         for (const fs::path& file : files_of_one_frame(options)) outputs.push_back({"OUT", file});
     if (options.form == ClipForm::gltf)
         for (const fs::path& file : gltf_clip_files(options.out, is_one_of(options, reader)))
@@ -255,13 +259,16 @@ std::string report_of_conversion(const ConvertOptions& options, const Converted&
                               ((*role == PlaneRole::colour && touchable::is_still(scene.folder->colour)) ||
                                (*role == PlaneRole::haptic && touchable::is_still(scene.folder->haptic)) ||
                                (*role == PlaneRole::height && touchable::is_still(scene.folder->height)));
-        text += line(track.role, loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
-                                               !options.content && options.form != ClipForm::web) +
-                                     " (" + track.codec + (is_still ? ", one picture for all frames)" : ")"));
+        text += line(track.role,
+                     (are_floats(options.form)
+                          ? "metres as floats of 32 bits, NaN where there is no surface"
+                          : loss_in_words(*role, done.losses[static_cast<std::size_t>(*role)], resized,
+                                          !options.content && options.form != ClipForm::web)) +
+                         " (" + track.codec + (is_still ? ", one picture for all frames)" : ")"));
     }
     if (!done.sound.empty()) text += line("sound", done.sound);
     if (done.forces) text += line("force", forces_in_words(*done.forces));
-    if (is_one_frame(options.form) && options.form != ClipForm::mp4_still)
+    if ((is_one_frame(options.form) || are_floats(options.form)) && options.form != ClipForm::mp4_still)
         text += line("scene", files_beside(options, done));
     if (options.form == ClipForm::lerobot)
         text +=
@@ -346,7 +353,7 @@ public:
     explicit Conversion(const ConvertOptions& options) : options_(options) {}
     /// `at_work`: set to what memory is needed for, once known.
     Result<void> run(std::string& at_work) {
-        TRY_ASSIGN(auto clip, options_.clip.open());
+        TRY_ASSIGN(auto clip, open());
         at_work = frames_in_words(clip->scene());
         TRY(check_frames(options_, *clip));
         TRY(check_places(options_, *clip));
@@ -360,9 +367,9 @@ public:
         from_ns_ = clip->scene().rate.time_ns(part_.first);
         TRY_ASSIGN(auto part, part_of_clip(std::move(clip), part_));
         if (options_.form == ClipForm::web) {
-            filtered_ = part->scene();
-            TRY_ASSIGN(const auto chosen, settle_filters(part, part->unstated_filters(), *filtered_));
-            error_bars_to_ = error_bars_to(chosen, filtered_->filter);
+            settled_ = part->scene();
+            TRY_ASSIGN(const auto chosen, settle_filters(part, part->unstated_filters(), *settled_));
+            if (!options_.filtered) error_bars_to_ = error_bars_to(chosen, settled_->filter);
         }
         source_ = std::move(part);
         if (options_.form == ClipForm::lerobot) {
@@ -378,6 +385,13 @@ public:
     }
 
 private:
+    Result<std::unique_ptr<ClipReader>> open() {
+        if (!options_.filtered) return options_.clip.open();
+        TRY_ASSIGN(auto opened, open_filtered(options_.clip, Colour::wanted));
+        error_bars_to_ = error_bars_to(opened.chosen, opened.scene.filter);
+        return std::move(opened.reader);
+    }
+
     Result<void> finish() {
         // A stream cannot be received again: a stop does not end its completion.
         const StopScope keeps = is_stream_ ? StopScope::after_stop() : StopScope(StopScope::never);
@@ -423,14 +437,16 @@ private:
     /// Refuses unstated losses: dropped planes, recoding or resizing need --allow-lossy.
     Result<void> check_loss() const {
         const auto& tracks = source_->tracks();
-        const bool drops_touch = codes_ && std::ranges::any_of(tracks, [](const TrackInfo& track) {
-                                     return track.role == role_name(PlaneRole::haptic) ||
-                                            track.role == role_name(PlaneRole::height);
-                                 });
+        const bool drops_touch =
+            (codes_ || are_floats(options_.form)) && std::ranges::any_of(tracks, [](const TrackInfo& track) {
+                return track.role == role_name(PlaneRole::haptic) ||
+                       track.role == role_name(PlaneRole::height);
+            });
         if (drops_touch && !options_.allow_lossy)
             return usage_error(
-                "--lerobot leaves out haptic and height pictures, which LeRobot has no room for; say "
-                "--allow-lossy as well");
+                (codes_ ? "--lerobot" : options_.out.string()) +
+                std::string(" leaves out haptic and height pictures, for which it has no room; say "
+                            "--allow-lossy as well"));
         if (const double far = codes_ ? codes_->scene().depth.far * codes_->scene().metres_per_unit : 0;
             !(far < lerobot_horizon))
             return usage_error("--lerobot: depth may be " + short_number(far) +
@@ -478,8 +494,8 @@ private:
         if (options_.size)
             described.scene = resized_scene(described.scene, options_.size->width, options_.size->height);
         if (codes_) described = codes_->scene();
-        if (filtered_) {
-            described.scene.filter = filtered_->filter;
+        if (settled_) {
+            described.scene.filter = settled_->filter;
             described.unstated.filters = {};
             described.error_bars_to = error_bars_to_;
         }
@@ -498,6 +514,9 @@ private:
                     return create_mp4_stills(options_.out, described, options_.existing);
                 case ClipForm::web:
                     return create_packed_clip(options_.out, described, page_files(), options_.existing);
+                case ClipForm::floats:
+                case ClipForm::float_still:
+                    return create_float_depth(options_.out, described, options_.existing);
                 case ClipForm::lerobot:
                     return create_lerobot_video(options_.out, described.scene, options_.existing);
                 case ClipForm::archive:
@@ -613,6 +632,7 @@ private:
         TRY_ASSIGN(auto reader, reopened(written));
         done_.scene = reader->scene();
         done_.tracks = reader->tracks();
+        if (are_floats(options_.form)) return {};  // they may come back as other codes, as near as floats are
         TRY(compare(*reader));
         const auto lost = [&](PlaneRole role) {
             return done_.losses[static_cast<std::size_t>(role)].changed > 0;
@@ -636,7 +656,7 @@ private:
     std::vector<FrameMark> marks_;       // of the frames as readers will get them
     std::optional<Stroke> stroke_;       // over the source, if its size or codes change
     std::optional<LeRobotCodes> codes_;  // for a video for LeRobot
-    std::optional<Scene> filtered_;      // for a page: with all filters settled
+    std::optional<Scene> settled_;       // for a page: with all filters
     double error_bars_to_ = 0;           // of that scene
     Converted done_;
 };

@@ -187,7 +187,7 @@ Json depth_json(const Scene& scene) {
     depth["far_mm"] = coding.far * mm_per_unit(scene);
     depth["bits"] = scene.depth_bits;
     depth["code_max"] = coding.code_max;
-    if (coding.kind == DepthCodingKind::log) depth["shift"] = coding.shift;
+    if (coding.kind == DepthCodingKind::log || coding.shift != 0) depth["shift"] = coding.shift;
     if (coding.kind == DepthCodingKind::hue) depth["least_sum"] = coding.least_sum;
     depth["valid_codes"] = {coding.valid_min, coding.valid_max};
     depth["invalid_codes"] = Json::array();

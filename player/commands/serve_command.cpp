@@ -28,7 +28,8 @@ namespace {
 
 /// The clip to send and its destinations.
 struct ServeOptions {
-    ClipChoice clip;  ///< its filters are ignored
+    ClipChoice clip;        ///< its filters are ignored unless `filtered`
+    bool filtered = false;  ///< depth is sent as filters leave it
     std::vector<StreamUrl> urls;
     bool loop = false;
     int listeners = 0;  ///< listeners to wait for before sending begins
@@ -162,8 +163,9 @@ public:
 
 private:
     Result<void> open_clip() {
-        if (options_.page) {  // the page measures nothing: its filters are chosen here
-            TRY_ASSIGN(auto opened, open_chosen(options_.clip, Colour::wanted));
+        if (options_.page || options_.filtered) {  // the page measures nothing: its filters are chosen here
+            const auto open_it = options_.filtered ? open_filtered : open_chosen;
+            TRY_ASSIGN(auto opened, open_it(options_.clip, Colour::wanted));
             clip_ = std::move(opened.reader);
             described_ = std::move(opened.scene);
             described_.error_bars_to = error_bars_to(opened.chosen, described_.scene.filter);
@@ -534,6 +536,7 @@ Result<void> check_page(const ServeTyped& typed, ServeOptions& options) {
 Result<ServeOptions> read_options(const ServeTyped& typed) {
     ServeOptions options = typed.options;
     TRY_ASSIGN(options.clip, read_clip(typed.clip));
+    options.filtered = typed.clip.filtered;
     TRY_ASSIGN(const auto words, read_words(typed, options));
     if (words.empty() && !typed.hls)
         return usage_error(
@@ -583,6 +586,7 @@ void add_serve_command(CLI::App& app, Command& command) {
     sub->add_flag("--page", typed->options.page,
                   "serve a page at http://HOST:PORT, in which browsers show the clip or the camera and let "
                   "people touch it");
+    add_filtered_options(*sub, typed->clip, "send");
     begin_topic(*sub, "HLS");
     add_file_option(
         *sub, "--hls", typed->hls,

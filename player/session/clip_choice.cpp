@@ -272,6 +272,14 @@ Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour) 
     return ClipChoice::Opened{std::move(reader), std::move(wanted.scene), std::move(chosen)};
 }
 
+Result<ClipChoice::Opened> open_filtered(const ClipChoice& choice, Colour colour) {
+    TRY_ASSIGN(auto opened, open_chosen(choice, colour));
+    opened.reader = with_filtered_depth(std::move(opened.reader), opened.scene,
+                                        filters_in_words(opened.scene, opened.chosen));
+    opened.scene = opened.reader->scene();
+    return opened;
+}
+
 Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,
                                           const std::function<void(std::int64_t frame)>& progress) {
     if (choice.is_camera())

@@ -272,6 +272,9 @@ Result<ClipChoice::LiveCamera> read_live_camera(const std::string& words);
 /// (ErrorKind::usage).
 Result<ClipChoice::Opened> open_chosen(const ClipChoice& choice, Colour colour);
 
+/// The same clip with the depth that its filters leave (with_filtered_depth), and the scene of that.
+Result<ClipChoice::Opened> open_filtered(const ClipChoice& choice, Colour colour);
+
 /// The segments of all frames of a clip. Uses its own reader, so that it does not make a run over the clip
 /// seek. `progress`: as in read_segments. A camera is refused (ErrorKind::usage). Takes long.
 Result<SegmentStore> read_chosen_segments(const ClipChoice& choice,

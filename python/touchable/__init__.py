@@ -6,6 +6,8 @@
     for frame in touchable.open("recording.bag"):      # any file that the program `touchable` opens
         frame.depth, frame.metres, frame.colour        # uint16 codes, float32 metres, uint8 RGB
 
+    frame.filtered_metres, frame.normals               # smooth and steady; of arrays: touchable.Filter
+
     touchable.write("out.mkv", frames, camera=touchable.Camera(640, 480, fx_px=525))
 
     surface = touchable.Surface(depth, camera)
@@ -20,6 +22,7 @@ is wrong and what would be right. Files need libtouchable-media and FFmpeg; surf
 """
 
 from ._clip import Clip, Frame, open
+from ._filtering import Filter, Filtered, filtered
 from ._library import version as _version
 from ._plotting import plot
 from ._scene import Camera, Scene
@@ -30,6 +33,7 @@ from .errors import ClosedError, Error, ExistingFileError, MissingFileError, Sta
 
 __version__: str = _version()
 __all__ = [
-    "Camera", "Clip", "ClosedError", "Error", "ExistingFileError", "ForcesAt", "Frame", "Guard", "MissingFileError", "Scene", "Solver",
-    "SolverSettings", "Status", "Surface", "Touched", "UsageError", "open", "plot", "touch", "write",
+    "Camera", "Clip", "ClosedError", "Error", "ExistingFileError", "Filter", "Filtered", "ForcesAt", "Frame", "Guard",
+    "MissingFileError", "Scene", "Solver", "SolverSettings", "Status", "Surface", "Touched", "UsageError", "filtered", "open", "plot",
+    "touch", "write",
 ]

@@ -23,6 +23,7 @@ from ._scene import Camera, Scene, index_of_kind
 from .errors import Error, MissingFileError, Status, error_of
 
 if TYPE_CHECKING:
+    from ._filtering import ClipFilter, Filtered
     from ._touch import Touched
 
 _filters_stated, _filters_chosen = 0, 1
@@ -38,11 +39,16 @@ class Frame:
     scene: the Scene that says what the pictures mean.
     number: from 0.
     time_ns: when it is shown, nanoseconds of the clip's clock.
+
+    filtered_metres, normals and error_degrees are of the depth that the filters leave by which the program touches the clip
+    (clip.touched_scene). With a filter that remembers, frames that are asked in turn are filtered in turn; another one as
+    the program does after a jump: from 16 frames earlier, which are read again. They have to be asked before the clip is
+    closed, and then are kept.
     """
 
     __reduce__ = refuse_copies
 
-    def __init__(self, handle: Handle, scene: Scene, colour: bool = True) -> None:
+    def __init__(self, handle: Handle, scene: Scene, colour: bool = True, clip_filter: ClipFilter | None = None) -> None:
         """Of a handle of the C API; programs get frames from a Clip."""
         self._handle = of_kind("handle", handle, Handle, "the C API's; touchable.open gives frames")
         self._struct = FrameStruct()
@@ -50,6 +56,7 @@ class Frame:
         if not colour:  # some formats decode colour nevertheless
             self._struct.colour = _library.Plane()
         self.scene = scene
+        self._clip_filter = clip_filter
         self.number: int = self._struct.number
         self.time_ns: int = self._struct.time_ns
 
@@ -88,6 +95,30 @@ class Frame:
     def valid(self) -> NDArray[numpy.bool_]:
         """Where there is a surface, (height, width) bool."""
         return numpy.isfinite(self.metres)
+
+    @property
+    def filtered_metres(self) -> NDArray[numpy.float32]:
+        """Depth in metres as the filters leave it, (height, width) float32, NaN where there is no surface, which filters
+        may fill. Raises UsageError where the clip was closed before."""
+        return self._filtered.metres
+
+    @property
+    def normals(self) -> NDArray[numpy.float32]:
+        """The filtered surface's normals, (height, width, 3) float32 of length 1, towards the camera: X right, Y up, the
+        camera looks along -Z. NaN where there is none. Raises as filtered_metres."""
+        return self._filtered.normals
+
+    @property
+    def error_degrees(self) -> NDArray[numpy.float32]:
+        """How wrong normals may be, (height, width) float32: about 95 of 100 are off by less, as far as pictures show it.
+        NaN where that cannot be told. Raises as filtered_metres."""
+        return self._filtered.error_degrees
+
+    @functools.cached_property
+    def _filtered(self) -> Filtered:
+        from ._filtering import filtered
+
+        return filtered(self) if self._clip_filter is None else self._clip_filter.of(self)
 
     def __repr__(self) -> str:
         have = ", ".join(role for role in _planes.roles if getattr(self._struct, role).data)
@@ -219,7 +250,13 @@ class Clip(Closable):
         if handle is None:
             return None
         self._position = index + 1
-        return Frame(handle, self.scene, self._with_colour)
+        return Frame(handle, self.scene, self._with_colour, self._filter)
+
+    @functools.cached_property
+    def _filter(self) -> ClipFilter:
+        from ._filtering import ClipFilter
+
+        return ClipFilter(self)
 
     def _waiting(self, work: Callable[[], Any]) -> Any:
         if not self._is_stream:

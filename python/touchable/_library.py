@@ -119,6 +119,8 @@ FrameStruct = struct("FrameStruct", reserved=c_int32, number=c_int64, time_ns=c_
                      **several("depth colour haptic height", Plane), lost_pixels=POINTER(c_int64),
                      lost_degrees=POINTER(c_double))
 SurfaceSettings = struct("SurfaceSettings", **several("threads frames error_bars", c_int32))
+FilteredStruct = struct("FilteredStruct", reserved=c_int32, metres=c_void_p, metres_stride_bytes=c_int64, normals=c_void_p,
+                        normals_stride_bytes=c_int64, error_degrees=c_void_p, error_degrees_stride_bytes=c_int64)
 SolverStruct = struct("SolverStruct", fingers=c_int32, **several(
     "metres_per_scene_unit max_force_n max_stiffness_n_per_m damping_n_s_per_m passivity_n_s_per_m stribeck_m_per_s",
     c_double), stale_after_ns=c_int64, **several("ramp_in_ticks ramp_out_ticks waits_to_be_free reserved", c_int32))
@@ -158,6 +160,7 @@ _solver_functions = {
     "surface_end_epoch": (_handle,),
     "surface_newest_ns": (_handle, POINTER(c_int64)),
     "surface_hand_scale": (_handle, POINTER(c_double), _error),
+    "surface_filtered": (_handle, POINTER(FilteredStruct), _error),
     "surface_destroy": (_handle,),
     "solver_settings_defaults": (POINTER(SolverStruct), c_uint32),
     "solver_create": (_handle, POINTER(SolverStruct), _made, _error),

@@ -43,7 +43,7 @@ class Surface(Closable):
         camera: what it means: a Camera or a Scene (with filters: Scene.with_filters). May be left out for a Frame.
         haptic: (height, width, 3) uint8 codes of stiffness, static and dynamic friction. height: (height, width) codes
             of roughness. Both as the scene says.
-        threads: that filter a picture, 1 to 16. frames: pictures that are kept at once, 4 to 64.
+        threads: that filter a picture, 1 to 16. frames: pictures that are kept at once, 4 to 64 (1: the newest, without touch).
         error_bars: measure each picture for how wrong its touch may be: error_degrees and error_newtons of contacts.
         preset: how `depth` is stored, by name ("relative-inverse", "tum", ...), with near_m and far_m, as touchable.open takes
             them: values become the codes of a file of them (needs libtouchable-media).
@@ -64,13 +64,7 @@ class Surface(Closable):
             if near_m is not None or far_m is not None:
                 raise _planes.refuse("near_m or far_m is given without preset; a camera has far_m")
             meaning = depth.scene if camera is None and isinstance(depth, Frame) else camera
-            given = None if depth is None else depth_of(depth)
-            is_open = isinstance(camera, Camera) and camera.far_m is None and camera.metres_per_code is None
-            if is_open and given is not None and given.dtype.kind == "f":
-                try:
-                    meaning = reaching(camera, [given], later_come=True)
-                except UsageError as problem:
-                    raise _planes.refuse("; ".join(filter(None, (problem.line, _disparity_words(given))))) from None
+            meaning = meaning_of(meaning, [] if depth is None else [depth])
         self.scene: Scene = scene_of(meaning)
         self._may_be_disparity = preset is None and isinstance(camera, Camera)
         settings = SurfaceSettings(threads=threads, frames=frames, error_bars=flag("error_bars", error_bars))
@@ -202,6 +196,17 @@ class Surface(Closable):
 
     def _check_open(self) -> None:
         self._handle.check_open("the surface was closed; make another one")
+
+
+def meaning_of(camera: Camera | Scene | None, pictures: list[Any]) -> Camera | Scene | None:
+    """What pictures mean: a camera that leaves far_m and metres_per_code open gets them by the floats of these."""
+    given = [depth for picture in pictures if (depth := depth_of(picture)) is not None and depth.dtype.kind == "f"]
+    if not given or not isinstance(camera, Camera) or camera.far_m is not None or camera.metres_per_code is not None:
+        return camera
+    try:
+        return reaching(camera, given, later_come=True)
+    except UsageError as problem:
+        raise _planes.refuse("; ".join(filter(None, (problem.line, _disparity_words(given[0]))))) from None
 
 
 def metres_of(depth: NDArray[Any] | None, scene: Scene) -> NDArray[numpy.float32]:

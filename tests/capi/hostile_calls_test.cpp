@@ -31,7 +31,7 @@ public:
 
     touch_status call() {
         using Call = touch_status (Hostile::*)();
-        static constexpr std::array<Call, 16> calls{&Hostile::defaults,
+        static constexpr std::array<Call, 17> calls{&Hostile::defaults,
                                                     &Hostile::scene_from_camera,
                                                     &Hostile::scene_from_text,
                                                     &Hostile::scene_text,
@@ -41,6 +41,7 @@ public:
                                                     &Hostile::surface,
                                                     &Hostile::push,
                                                     &Hostile::push,
+                                                    &Hostile::filtered,
                                                     &Hostile::epochs,
                                                     &Hostile::scale,
                                                     &Hostile::solver,
@@ -138,6 +139,18 @@ private:
     touch_status epochs() {
         if (upto(2)) return touch_surface_end_epoch(one_of(surfaces_));
         return touch_surface_begin_epoch(one_of(surfaces_), spoilt(++epoch_), error());
+    }
+    touch_status filtered() {
+        std::vector<float> floats(std::size_t{3} * Hill::width * Hill::height);
+        touch_filtered wanted{sizeof wanted, 0, {}, 0, {}, 0, {}, 0};
+        wanted.metres = wanted.error_degrees = or_null(floats.data());
+        wanted.normals = or_null(floats.data());
+        wanted.metres_stride_bytes = wanted.error_degrees_stride_bytes = 4 * Hill::width;
+        wanted.normals_stride_bytes = 12 * Hill::width;
+        if (upto(2)) wanted.error_degrees = nullptr;
+        wanted.struct_size = spoilt(wanted.struct_size);
+        if (rarely()) wanted.metres_stride_bytes = static_cast<std::int64_t>(upto(4 * Hill::width));
+        return touch_surface_filtered(one_of(surfaces_), or_null(&wanted), error());
     }
     touch_status scale() {
         double found;
@@ -267,6 +280,49 @@ TEST(Statuses, SurfaceHasOneSolver) {
     EXPECT_EQ(touch_surface_destroy(hill.surface), TOUCH_BUSY);
     EXPECT_EQ(touch_solver_destroy(hill.solver), TOUCH_OK);
     EXPECT_EQ(touch_solver_create(hill.surface, nullptr, &hill.solver, nullptr), TOUCH_OK);
+}
+
+/// A surface of one frame gives what its filters leave, never is full, and is not for fingers.
+TEST(Statuses, SurfaceOfOneFrameIsForFilters) {
+    const Hill hill;
+    const touch_camera camera = Hill::camera();
+    touch_scene scene{};
+    ASSERT_EQ(touch_scene_from_camera(&camera, &scene, nullptr), TOUCH_OK);
+    touch_surface_settings settings;
+    touch_surface_settings_defaults(&settings, sizeof settings);
+    settings.frames = 1;
+    touch_surface surface{};
+    ASSERT_EQ(touch_surface_create(scene, &settings, &surface, nullptr), TOUCH_OK);
+    std::vector<float> metres(std::size_t{Hill::width} * Hill::height), stored = metres;
+    touch_filtered wanted{sizeof wanted, 0, metres.data(), 4 * Hill::width, nullptr, 0, nullptr, 0};
+    const auto refused = [&](const char* words, touch_filtered asked) {
+        touch_error error = no_error();
+        EXPECT_EQ(touch_surface_filtered(surface, &asked, &error), TOUCH_USAGE);
+        EXPECT_NE(std::string(error.line).find(words), std::string::npos) << error.line;
+    };
+    refused("no frame was pushed", wanted);
+    for (std::int64_t number = 0; number < 9; ++number) {
+        const touch_frame frame = hill.frame(number);
+        ASSERT_EQ(touch_surface_push(surface, &frame, nullptr), TOUCH_OK);
+        ASSERT_EQ(touch_surface_filtered(surface, &wanted, nullptr), TOUCH_OK);
+        ASSERT_EQ(touch_scene_metres(scene, &frame.depth, stored.data(), 4 * Hill::width, nullptr), TOUCH_OK);
+        EXPECT_EQ(metres, stored) << "no filter is on";
+    }
+    touch_filtered wrong = wanted;
+    wrong.metres_stride_bytes -= 4;
+    refused("metres_stride_bytes", wrong);
+    wrong = wanted;
+    wrong.normals = metres.data();
+    wrong.normals_stride_bytes = 12 * Hill::width + 2;
+    refused("multiple of 4", wrong);
+    wrong = wanted;
+    wrong.error_degrees = metres.data();
+    wrong.error_degrees_stride_bytes = 4 * Hill::width;
+    refused("error_bars", wrong);
+    touch_solver solver{};
+    EXPECT_EQ(touch_solver_create(surface, nullptr, &solver, nullptr), TOUCH_USAGE);
+    touch_surface_destroy(surface);
+    touch_scene_destroy(scene);
 }
 
 TEST(Statuses, FingersAreLimited) {

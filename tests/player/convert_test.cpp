@@ -112,6 +112,22 @@ TEST_F(ConvertCommand, KeepsForcesAtAnyBitDepth) {
     }
 }
 
+/// Depth as filters leave it feels as the clip does by them, in whatever form; only once is it filtered.
+TEST_F(ConvertCommand, FilteredDepthFeelsTheSame) {
+    make("globe", {"--bits", "8"});
+    const std::string before = hash_of(at("clip.mkv"));
+    for (const char* form : {"smooth.mkv", "smooth.mp4", "folder", "page"}) {
+        Words words{at("clip.mkv"), at(form), "--filtered"};
+        if (form == std::string("page")) words.push_back("--web");
+        EXPECT_PRED2(says, convert(words), "note    depth was filtered: terraces (") << form;
+        EXPECT_EQ(hash_of(at(form)), before) << form;
+    }
+    convert({at("clip.mkv"), at("stored.mkv"), "--filtered", "--filters", "off"});
+    EXPECT_NE(hash_of(at("stored.mkv")), before);
+    EXPECT_PRED2(says, convert({at("clip.mkv"), at("depth.npy"), "--filtered", "--allow-lossy"}),
+                 "depth   metres as floats of 32 bits, NaN where there is no surface (npy)");
+}
+
 /// A clip for pages: all that is felt is settled, and kept.
 TEST_F(ConvertCommand, KeepsForcesOfPageClip) {
     for (const char* scene : {"globe", "moving", "rough"}) {
@@ -556,6 +572,9 @@ TEST_F(ConvertCommand, RejectsInvalidOptions) {
     expect_refused({clip, at("out/a.png"), "--exact-colour"}, "--exact-colour is for clips");
     expect_refused({clip, at("out/a.png"), "--to", "3"}, "--to is for");
     expect_refused({clip, at("out/a.png"), "--every", "3"}, "--every is for");
+    expect_refused({clip, at("out/a.exr"), "--allow-lossy", "--to", "3"}, "--to is for");
+    expect_refused({clip, at("out/a.npy")}, "leaves out haptic and height pictures");
+    expect_refused({clip, at("out/a"), "--median", "3"}, "filters are for --filtered");
     for (const char* wrong : {"x", "", "1.5", "-1", "s", "nans", "1e99s", "infs"})
         expect_refused({clip, at("out/a"), "--from", wrong}, "--from");
     for (const char* wrong : {"1", "1,2", "1,2,3", "a,b,3x3", "1,2,0x3", "-1,2,3x3", "1,2,3x3,4"})

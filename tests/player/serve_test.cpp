@@ -289,6 +289,7 @@ TEST_F(ServeCommand, RejectsInvalidOptions) {
     refused({clip, "tcp://127.0.0.1"}, "with a port");
     refused({clip, "tcp://example.org:1"}, "an address of this machine");
     refused({clip, "https://127.0.0.1:0/"}, "must be http://");
+    refused({clip, "tcp://127.0.0.1:0", "--detail", "1"}, "filters are for --filtered");
     for (const char* place : {"-", "udp://127.0.0.1:5000"})
         refused({clip, place}, "must be tcp://, http:// or srt://");
     refused({clip, "srt://127.0.0.1:0"}, "needs a port");
@@ -555,6 +556,7 @@ TEST_F(ServedTouch, MatchesFileOnEveryTransport) {
     const std::string srt = "srt://127.0.0.1:" + std::to_string(unused_port());
     const std::string ts = "srt://127.0.0.1:" + std::to_string(unused_port());
     for (const std::vector<std::string>& options : {std::vector<std::string>{"tcp://127.0.0.1:0"},
+                                                    {"tcp://127.0.0.1:0", "--filtered"},
                                                     {"http://127.0.0.1:0/clip.mkv"},
                                                     {srt},
                                                     {ts, "--mpegts"}}) {
