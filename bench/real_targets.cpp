@@ -22,6 +22,7 @@ std::vector<Target> make_real_targets(const std::string& choice) {
     const std::vector<std::string> over_plane{"real-wiping-0", "real-wiping-1"};
     const std::vector<std::string> wiping{"real-wiping-0", "real-wiping-1", "real-wiping-2"};
     const std::vector<std::string> bars{"real-error-bars"};
+    const std::vector<std::string> coarse{"real-others-redwood", "real-others-kinect", "real-others-d435"};
     const auto at_least = [](double value, const char* unit) { return Limit{value, Sense::at_least, unit}; };
     return {
         {"direction, cube, RMS", {named("cube")}, "force_angle_deg_rms", below(5, "deg")},
@@ -89,6 +90,8 @@ std::vector<Target> make_real_targets(const std::string& choice) {
         {"hands that wipe, friction behind the motion", wiping, "against_motion_exerted_deg_median",
          at_most(5, "deg")},
         {"hands that wipe, contact lost", wiping, "contact_lost_ticks", at_most(0, "")},
+        {"librealsense's filters, error over ours at equal relief", coarse, "rs_times", at_least(3, "")},
+        {"OpenCV's bilateral filter, the same", coarse, "cv_times", at_least(3, "")},
         {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")},
         {"generated clips of 16 bits, changed", {named("generated")}, "changed_pct", at_most(0, "%")}};
 }

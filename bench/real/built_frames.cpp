@@ -10,7 +10,10 @@
 
 namespace touchable {
 
-Result<std::vector<SurfaceFrame>> built(const Scene& scene, const std::vector<RawFrame>& raws, bool barred) {
+Result<std::vector<SurfaceFrame>> built(const Filtering& filtering, const std::vector<RawFrame>& stored,
+                                        bool barred) {
+    const std::vector<RawFrame> raws = filtering.before ? filtering.before(stored) : stored;
+    const Scene& scene = filtering.scene;
     std::vector<SurfaceFrame> frames(raws.size());
     auto builder = make_cpu_builder(scene);
     if (barred) builder = with_error_bars(std::move(builder), scene);

@@ -194,6 +194,15 @@ Result<void> measure_low_relief(const SensorModel& model, double middle, double 
     return {};
 }
 
+Result<double> kept_relief_pct(const SensorModel& model, const MakeFiltering& filtering) {
+    const EdgesScene edges = edges_scene(model.least_step(1000) / 1e6);
+    const Scene unfiltered = scene_of(model, edges_width, edges_height, edges.truth.camera);
+    const std::vector<RawFrame> raws = stored_frames(model, edges, unfiltered);
+    const auto frames = built(filtering(raws, unfiltered), raws);
+    if (!frames) return frames.error();
+    return pen_pct(edges, frames->back(), low_pen_left, low_pen_steps);
+}
+
 Result<bool> keeps_edges(const SensorModel& model, const FilterSettings& filter) {
     const EdgesScene edges = edges_scene(model.least_step(1000) / 1e6);
     Scene scene = scene_of(model, edges_width, edges_height, edges.truth.camera);

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <vector>
+
+#include "bench/real/built_frames.hpp"
 #include "bench/real/filter_choices.hpp"
 #include "bench/real/sensor_models.hpp"
 #include "bench/suite.hpp"
@@ -23,6 +27,12 @@ Result<void> measure_least_steps(const SensorModel& model, Figures& figures);
 /// pen and the step `pen` mm high. Appends low_pen_pct, step_px, and for the wall's faces the angle to the
 /// true normal, face_angle_deg_rms, and the share off by more than 20 degrees, over_20deg_pct.
 Result<void> measure_low_relief(const SensorModel& model, double middle, double pen, Figures& figures);
+
+/// Makes a scene's filtering by its first frames.
+using MakeFiltering = std::function<Filtering(const std::vector<RawFrame>&, const Scene&)>;
+/// Of a pen 5 pixels wide and four of the sensor's least steps high, the share that is left where frames have
+/// noise, per cent.
+Result<double> kept_relief_pct(const SensorModel& model, const MakeFiltering& filtering);
 
 /// Requirements on filters without noise, for the low pen and the step.
 inline constexpr double least_low_pen_pct = 95, most_step_px = 1;

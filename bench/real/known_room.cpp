@@ -8,6 +8,7 @@
 
 #include "bench/real/built_frames.hpp"
 #include "bench/real/edges.hpp"
+#include "bench/real/other_filters.hpp"
 #include "bench/real/resting.hpp"
 #include "engine/formats/open_clip.hpp"
 
@@ -121,8 +122,8 @@ Result<void> KnownRoom::make_approach() {
     return {};
 }
 
-Result<double> KnownRoom::lag(const Scene& scene, const std::vector<SurfaceFrame>& at_rest) const {
-    const auto frames = built(scene, approach_stored_);
+Result<double> KnownRoom::lag(const Filtering& filtering, const std::vector<SurfaceFrame>& at_rest) const {
+    const auto frames = built(filtering, approach_stored_);
     if (!frames) return frames.error();
     MeanOff moving, still;
     for (std::size_t n = settled_frames; n < frames->size(); ++n)
@@ -131,12 +132,13 @@ Result<double> KnownRoom::lag(const Scene& scene, const std::vector<SurfaceFrame
     return moving.value() - still.value();
 }
 
-Result<PressErrors> KnownRoom::pressed(const Scene& scene, double trusted_to) const {
+Result<PressErrors> KnownRoom::pressed(const Filtering& filtering, double trusted_to) const {
     PressErrors errors(trusted_to);
     for (const Room& room : rooms_) {
-        const auto frames = built(scene, room.stored);
+        const auto frames = built(filtering, room.stored);
         if (!frames) return frames.error();
-        if (auto done = errors.press(scene, frames->back(), room.smooth); !done) return done.error();
+        if (auto done = errors.press(filtering.scene, frames->back(), room.smooth); !done)
+            return done.error();
     }
     return errors;
 }
@@ -319,6 +321,22 @@ Result<void> KnownRoom::measure_details(Figures& figures) {
         if (auto done = make_rooms(true, settled_frames, settled_frames); !done) return done;
     add_details(rooms_[0].stored, *scene_, figures);
     return {};
+}
+
+Result<void> KnownRoom::compare(bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = make(quick); !done) return done;
+    const auto degrees = [this](const Filtering& filtering) -> Result<double> {
+        const auto errors = pressed(filtering);
+        if (!errors) return errors.error();
+        return errors->angle_deg_rms();
+    };
+    const auto lag_mm = [this](const Filtering& filtering) -> Result<double> {
+        const auto at_rest = built(filtering, rooms_[0].stored);
+        if (!at_rest) return at_rest.error();
+        return lag(filtering, *at_rest);
+    };
+    return compare_with_others(model_, {*scene_, rooms_[0].stored, degrees, lag_mm}, figures);
 }
 
 Result<void> KnownRoom::measure(const FilterChoice& choice, bool quick, Figures& figures) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/real/built_frames.hpp"
 #include "bench/real/depth_plane.hpp"
 #include "bench/real/filter_choices.hpp"
 #include "bench/real/pressing.hpp"
@@ -33,6 +34,8 @@ public:
     Result<PressErrors> press_chosen();
     /// See add_details.
     Result<void> measure_details(Figures& figures);
+    /// See compare_with_others.
+    Result<void> compare(bool quick, Figures& figures);
     /// Appends the error with the filters chosen by the program, and the best of all: every median, levels of
     /// a tenth to twice the sensor's least step, and averaging for no noise, its noise or more.
     /// force_angle_deg_chosen, _best among those that keep edges (keeps_edges), _best_of_all; times_best.
@@ -75,10 +78,10 @@ private:
                                 std::span<const double> levels, const Press& press,
                                 double* best_of_all) const;
     /// Errors of forces on the filtered surface, against true normals.
-    Result<PressErrors> pressed(const Scene& scene,
+    Result<PressErrors> pressed(const Filtering& filtering,
                                 double trusted_to = std::numeric_limits<double>::infinity()) const;
     Result<void> make_approach();
-    Result<double> lag(const Scene& scene, const std::vector<SurfaceFrame>& at_rest) const;
+    Result<double> lag(const Filtering& filtering, const std::vector<SurfaceFrame>& at_rest) const;
 
     std::filesystem::path data_;
     SensorModel model_;

@@ -67,6 +67,8 @@ void add_recording(std::vector<BenchCase>& cases, const CameraRecording& recordi
     cases.push_back({"real-detail-" + recording.name, [patches, quick](Figures& figures) {
                          return patches->measure_details(quick, figures);
                      }});
+    cases.push_back({"real-others-" + recording.name,
+                     [patches, quick](Figures& figures) { return patches->compare(quick, figures); }});
     cases.push_back({"real-left-out-" + recording.name, [patches, quick](Figures& figures) {
                          return patches->measure_left_out(quick, figures);
                      }});
@@ -167,6 +169,12 @@ std::vector<BenchCase> real_cases(bool quick) {
         add(cases, "icl-d435", std::make_shared<KnownRoom>(data, d435(room_focal_length), half_as_large),
             quick);
         add(cases, "icl-sr300", std::make_shared<KnownRoom>(data, sr300(), smallest), quick);
+        for (const auto& [model, factor] :
+             {std::pair{kinect_v1(), 1.0}, {d435(room_focal_length), half_as_large}, {sr300(), smallest}}) {
+            const auto room = std::make_shared<KnownRoom>(data, model, factor);
+            cases.push_back({"real-others-" + model.name,
+                             [room](Figures& figures) { return room->compare(true, figures); }});
+        }
     }
     if (const char* const wiping = "haptics/epfl_wiping"; is_there(data, wiping, "cases real-wiping-..."))
         for (const int number : {0, 1, 2, 3})

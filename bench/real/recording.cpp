@@ -7,6 +7,7 @@
 
 #include "bench/real/built_frames.hpp"
 #include "bench/real/depth_forms.hpp"
+#include "bench/real/other_filters.hpp"
 #include "bench/real/pressing.hpp"
 #include "bench/real/sensor_models.hpp"
 #include "engine/base/same_bits.hpp"
@@ -27,18 +28,25 @@ CameraRecording cube_recording(const std::filesystem::path& data) {
     // Stereo with a base of 50 mm, a focal length of 384 pixels and noise of 0.08 pixels (sensor_models.hpp).
     constexpr double quadratic = 0.08 / (50 * 384);
     return {"cube",         data / "visp_cube_realsense", scene_file("visp_cube_realsense.json"),
-            {0, quadratic}, {0.58, 1.4 * quadratic},      600};
+            {0, quadratic}, {0.58, 1.4 * quadratic},      600,
+            d435(384)};
 }
 
 CameraRecording castel_recording(const std::filesystem::path& data) {
-    return {"castel", data / "castel_sr300", scene_file("castel_sr300.json"), sr300().stated_noise, {0.6, 0},
-            600};
+    return {
+        "castel", data / "castel_sr300", scene_file("castel_sr300.json"), sr300().stated_noise, {0.6, 0}, 600,
+        sr300()};
 }
 
 CameraRecording redwood_recording(const std::filesystem::path& data) {
     const SensorModel kinect = kinect_v1();
-    return {"redwood",           data / "stills/redwood5",          scene_file("redwood5.json"),
-            kinect.stated_noise, {0, 0.45 * kinect.disparity_step}, 2840};
+    return {"redwood",
+            data / "stills/redwood5",
+            scene_file("redwood5.json"),
+            kinect.stated_noise,
+            {0, 0.45 * kinect.disparity_step},
+            2840,
+            kinect};
 }
 
 Result<void> RecordingPatches::read(bool quick) {
@@ -121,15 +129,24 @@ Result<void> RecordingPatches::measure_details(bool quick, Figures& figures) {
     return {};
 }
 
-Result<double> RecordingPatches::force_angle_deg(const Scene& scene, std::size_t first) const {
+Result<double> RecordingPatches::force_angle_deg(const Filtering& filtering, std::size_t first,
+                                                 std::size_t step) const {
     std::vector<RawFrame> raws;
-    for (std::size_t n = first; n < raws_.size(); n += 2) raws.push_back(raws_[n]);
-    const auto frames = built(scene, raws);
+    for (std::size_t n = first; n < raws_.size(); n += step) raws.push_back(raws_[n]);
+    const auto frames = built(filtering, raws);
     if (!frames) return frames.error();
     PressErrors errors;
     for (std::size_t n = 0; n < frames->size(); ++n)
-        if (auto done = errors.press(scene, (*frames)[n], planes_[first + 2 * n]); !done) return done.error();
+        if (auto done = errors.press(filtering.scene, (*frames)[n], planes_[first + step * n]); !done)
+            return done.error();
     return errors.angle_deg_rms();
+}
+
+Result<void> RecordingPatches::compare(bool quick, Figures& figures) {
+    if (!scene_)
+        if (auto done = read(quick); !done) return done;
+    const auto degrees = [this](const Filtering& filtering) { return force_angle_deg(filtering, 0, 1); };
+    return compare_with_others(recording_.model, {*scene_, raws_, degrees, nullptr}, figures);
 }
 
 Result<void> RecordingPatches::measure_left_out(bool quick, Figures& figures) {

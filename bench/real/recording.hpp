@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "bench/real/built_frames.hpp"
 #include "bench/real/depth_plane.hpp"
 #include "bench/real/filter_choices.hpp"
+#include "bench/real/sensor_models.hpp"
 #include "bench/suite.hpp"
 
 namespace touchable {
@@ -23,6 +25,7 @@ struct CameraRecording {
     /// creased face does not.
     DepthLength flat;
     double farthest_mm;
+    SensorModel model;  ///< of such a camera
 };
 /// The cube of RealSense, the castle of SR300 and the room of PrimeSense in a folder of recordings
 /// (docs/measurements.md).
@@ -46,6 +49,8 @@ public:
 
     /// See add_details.
     Result<void> measure_details(bool quick, Figures& figures);
+    /// See compare_with_others; relief is that of the recording's `model`.
+    Result<void> compare(bool quick, Figures& figures);
 
     /// Cross-validation: filters chosen from every second frame, measured on the frames between: the
     /// program's choice, the best of those it tried, and their ratio: force_angle_deg_chosen,
@@ -54,8 +59,8 @@ public:
 
 private:
     Result<void> read(bool quick);
-    /// RMS angle error on every second frame from `first` on.
-    Result<double> force_angle_deg(const Scene& scene, std::size_t first) const;
+    /// RMS angle error on every `step`th frame from `first` on.
+    Result<double> force_angle_deg(const Filtering& filtering, std::size_t first, std::size_t step = 2) const;
 
     CameraRecording recording_;
     std::optional<Scene> scene_;  // set once the clip is read

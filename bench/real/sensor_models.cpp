@@ -248,6 +248,7 @@ SensorModel d435(double focal_length) {
     model.far_mm = 4000;
     model.disparity_step = 1 / (32 * base * focal_length);
     model.axial_quadratic = 0.08 / (base * focal_length);
+    model.is_stereo = true;
     model.stated_noise = {0, model.axial_quadratic};
     return model;
 }

@@ -33,6 +33,7 @@ struct SensorModel {
     int bleed_px = 0;          ///< near things cover so many pixels more
     double dropout_share = 0;  ///< share of all pixels without a depth
     double gain = 0;           ///< a frame's depths are off by up to this share
+    bool is_stereo = false;    ///< librealsense filters it as disparity
     int every_px = 1;          ///< pictures have every so many of the room's pixels
     DepthLength stated_noise;  ///< the axial noise as stated by a scene
 

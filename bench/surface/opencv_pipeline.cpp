@@ -86,8 +86,19 @@ void OpenCvPipeline::q() {
     cv::divide(matrix_of(ray_lengths_, width_, height_), matrix_of(depth_, width_, height_), q);
 }
 
+void opencv_bilateral(std::vector<float>& picture, int width, int height, int side, double sigma,
+                      double sigma_px) {
+    const cv::Mat from = matrix_of(picture, width, height).clone();
+    cv::Mat to = matrix_of(picture, width, height);
+    cv::bilateralFilter(from, to, side, sigma, sigma_px);
+    for (int y = 0; y < height; ++y)  // holes stay
+        for (int x = 0; x < width; ++x)
+            if (from.at<float>(y, x) == 0) to.at<float>(y, x) = 0;
+}
+
 #else
 
+void opencv_bilateral(std::vector<float>&, int, int, int, double, double) {}
 bool has_opencv() {
     return false;
 }

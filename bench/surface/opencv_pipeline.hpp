@@ -40,4 +40,8 @@ private:
     double per_code_, of_code_0_;  // depth, linear in the code
 };
 
+/// OpenCV's bilateral filter, in place. `sigma`: of samples; `sigma_px`: of places. Nothing without OpenCV.
+void opencv_bilateral(std::vector<float>& picture, int width, int height, int side, double sigma,
+                      double sigma_px);
+
 }  // namespace touchable

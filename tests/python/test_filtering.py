@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
+import runpy
+import sys
 import tempfile
+import types
 import unittest
+import unittest.mock
 
 import numpy
 import touchable
-from common import globe, hill, recording, run
+from common import globe, hill, recording, run, source
 
 
 def noisy(count=20):
@@ -93,6 +97,36 @@ class Filtering(unittest.TestCase):
             frame = clip[2]
             self.same(numpy.isnan(frame.filtered_metres), ~frame.valid)
             self.assertLess(roughness(frame.filtered_metres), roughness(frame.metres))
+
+    def test_RosNodeFiltersTopic(self):
+        """The example, with a stand-in for rclpy: pictures with rows that are longer, and the other byte order."""
+        of = types.SimpleNamespace
+
+        class Node:
+            def __init__(self, name):
+                self.takes, self.published = {}, []
+
+            def create_publisher(self, kind, topic, qos):
+                return of(publish=self.published.append)
+
+            def create_subscription(self, kind, topic, take, qos):
+                self.takes[topic] = take
+
+        modules = {"rclpy": of(), "rclpy.node": of(Node=Node), "rclpy.qos": of(qos_profile_sensor_data=None),
+                   "sensor_msgs": of(), "sensor_msgs.msg": of(CameraInfo=of, Image=of)}
+        with unittest.mock.patch.dict(sys.modules, modules):
+            node = runpy.run_path(str(source / "examples/python/ros2_filter.py"))["DepthFilter"]()
+        pictures, camera = noisy(20)
+        k = [camera.fx_px, 0, camera.cx_px, 0, camera.fy_px, camera.cy_px, 0, 0, 1]
+        node.takes["depth/camera_info"](of(width=96, height=72, k=k))
+        for number, picture in enumerate(pictures):
+            rows = numpy.pad(picture.astype(">u2").view(numpy.uint8), ((0, 0), (0, 6)))
+            node.takes["depth/image"](of(header=of(stamp=of(sec=5, nanosec=number * 33_000_000)), encoding="16UC1", width=96,
+                                         height=72, is_bigendian=1, step=rows.shape[1], data=rows.tobytes()))
+        smooth = touchable.Filter(camera, pictures[:16])
+        self.assertEqual(len(node.published), 5)
+        for message, picture in zip(node.published, pictures[15:], strict=True):
+            self.same(numpy.frombuffer(message.data, numpy.float32).reshape(72, 96), smooth(picture))
 
     def test_Refusals(self):
         pictures, camera = noisy(1)
