@@ -35,6 +35,7 @@ private:
 
     /// The scene does not name tracks of low bits, which come last.
     Result<void> open_tracks(const RawFrame& first) {
+        TRY(check_x264("an MP4 file"));
         for (PartTrack& track : part_tracks(first, scene_)) TRY(open_track(std::move(track), first));
         if (!storage_.fragmented) TRY(make_scene());
         return begin_file();

@@ -81,6 +81,7 @@ struct EncoderSettings {
 EncoderSettings settings_of(TrackCoding coding, AVPixelFormat format) {
     if (coding == TrackCoding::ffv1)
         return {"ffv1", "FFV1", {{"slicecrc", "1"}, {"coder", "1"}, {"context", "1"}}};
+    if (is_visual(coding) && !has_x264()) return {"libopenh264", "H.264", {{"rc_mode", "quality"}}};
     // Each picture gives a packet at once; keyframes come only where `encode` asks for them.
     EncoderSettings h264{format == AV_PIX_FMT_RGB24 ? "libx264rgb" : "libx264",
                          "H.264",
@@ -162,14 +163,14 @@ bool is_lossless_hevc(ParameterBytes hvcc) {
     const auto unit = hevc_unit(hvcc, picture_parameters);
     if (!unit) return false;
     BitReader bits(*unit);
-    bits.get(16);  // the unit's header
+    bits.get(16);   // the unit's header
     bits.golomb();  // ids of picture and sequence parameters
     bits.golomb();
     bits.get(7);  // dependent slices, output flag, 3 extra bits, hidden signs, cabac_init
     for (int number = 0; number < 3; ++number) bits.golomb();  // references of two lists, quantiser
-    bits.get(2);                                              // constrained intra, skipped transforms
-    if (bits.flag()) bits.golomb();                           // a quantiser for each block
-    bits.golomb();                                            // offsets for colour
+    bits.get(2);                                               // constrained intra, skipped transforms
+    if (bits.flag()) bits.golomb();                            // a quantiser for each block
+    bits.golomb();                                             // offsets for colour
     bits.golomb();
     bits.get(3);  // offsets for each slice, weights
     const bool leaves_out_transform = bits.flag();
@@ -219,6 +220,15 @@ Result<void> check_is_read(const AVCodecParameters& stored, const std::string& w
                        own_codecs[0].name + ", " + own_codecs[1].name);
 }
 
+bool has_x264() {
+    return avcodec_find_encoder_by_name("libx264") && avcodec_find_encoder_by_name("libx264rgb");
+}
+
+Result<void> check_x264(const std::string& what) {
+    if (has_x264()) return {};
+    return usage_error(what + " needs libx264, which this FFmpeg was built without; NAME.mkv does not");
+}
+
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,
                               const FrameRate& rate) {
     const EncoderSettings settings = settings_of(coding, format);
@@ -245,6 +255,11 @@ Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int widt
         context->colorspace = AVCOL_SPC_BT709;
         context->color_primaries = AVCOL_PRI_BT709;
         context->color_trc = AVCOL_TRC_BT709;
+    }
+    if (std::string_view(settings.encoder) == "libopenh264") {
+        context->gop_size = std::numeric_limits<int>::max();
+        context->qmin = context->qmax = coding == TrackCoding::h264_visual ? 18 : 24;
+        context->bit_rate = std::int64_t{100} * width * height;  // never the limit
     }
     if (coding == TrackCoding::ffv1) {
         context->gop_size = 1;

@@ -26,6 +26,9 @@ Result<void> check_is_read(const AVCodecParameters& stored, const std::string& w
 constexpr bool is_visual(TrackCoding coding) {
     return coding == TrackCoding::h264_visual || coding == TrackCoding::h264_reduced;
 }
+/// Whether FFmpeg has x264, which is under the GPL: without it colour is H.264 by OpenH264, and other planes,
+/// or colour of odd sizes, are FFV1.
+bool has_x264();
 /// An encoder for pictures of `width` x `height` samples in an FFmpeg pixel format. An error of kind usage if
 /// the coding does not support that size.
 Result<CodecPtr> open_encoder(TrackCoding coding, AVPixelFormat format, int width, int height,

@@ -171,6 +171,8 @@ Result<std::unique_ptr<TrackEncoder>> TrackEncoder::open(PlaneRole role, TrackCo
                                                          const PlaneView& first, const Scene& scene) {
     if (coding == TrackCoding::rank_zstd || coding == TrackCoding::rank_zstd_thrifty)
         return std::make_unique<RankZstdTrack>(role, first, coding == TrackCoding::rank_zstd ? 1 : 19);
+    const bool is_odd = first.width % 2 != 0 || first.height % 2 != 0;
+    if ((!is_visual(coding) || is_odd) && !has_x264()) coding = TrackCoding::ffv1;
     return opened_as<TrackEncoder>(std::make_unique<FfmpegEncoder>(role), coding, first, scene);
 }
 

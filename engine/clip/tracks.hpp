@@ -44,6 +44,9 @@ enum class TrackCoding {
     h264_reduced,       ///< the same, of about half the bytes
 };
 
+/// Refuses what only x264 can do. `what`: such as "an MP4 file".
+Result<void> check_x264(const std::string& what);
+
 /// Encodes one track of a clip, a packet for each picture.
 class TrackEncoder {
 public:

@@ -173,6 +173,7 @@ bool is_sound(const ReadSei& sei, const PlaneView& samples) {
 Result<LabelledEncoder> LabelledEncoder::open(const RawFrame& first, const SceneDescription& described,
                                               TrackCoding touch, TrackCoding colour) {
     silence_ffmpeg();
+    TRY(check_x264("MPEG-TS and HLS"));
     LabelledEncoder made;
     made.scene_sei_ = sei_of_scene(sent_scene(described));
     made.form_ = first;

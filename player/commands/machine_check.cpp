@@ -305,9 +305,8 @@ std::vector<std::string> ways_to_realtime(const std::string& user, const std::st
 
 std::vector<std::string> ways_to_realtime() {
     const passwd* user = getpwuid(getuid());
-    std::error_code fault;
-    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
-    return ways_to_realtime(user ? user->pw_name : "USER", fault ? "touchable" : program.string());
+    const fs::path program = program_file();
+    return ways_to_realtime(user ? user->pw_name : "USER", program.empty() ? "touchable" : program.string());
 }
 
 CpuFacts cpu_facts() {
@@ -353,8 +352,7 @@ FfmpegFacts ffmpeg_facts() {
              {"ffv1 decoder", avcodec_find_decoder(AV_CODEC_ID_FFV1) != nullptr},
              {"ffv1 encoder", avcodec_find_encoder(AV_CODEC_ID_FFV1) != nullptr},
              {"h264 decoder", avcodec_find_decoder(AV_CODEC_ID_H264) != nullptr},
-             {"libx264 encoder", avcodec_find_encoder_by_name("libx264") != nullptr},
-             {"libx264rgb encoder", avcodec_find_encoder_by_name("libx264rgb") != nullptr},
+             {"h264 encoder", avcodec_find_encoder(AV_CODEC_ID_H264) != nullptr},
              {"png decoder", avcodec_find_decoder(AV_CODEC_ID_PNG) != nullptr},
              {"png encoder", avcodec_find_encoder(AV_CODEC_ID_PNG) != nullptr},
              {"jpeg decoder", avcodec_find_decoder(AV_CODEC_ID_MJPEG) != nullptr}}};

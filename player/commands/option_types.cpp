@@ -187,10 +187,15 @@ void add_storage_options(CLI::App& command, ClipStorage& storage) {
                      "off is readable up to there; it has no MPEG-4 scene (docs/codecs.md)");
 }
 
-fs::path folder_from_program(const char* way) {
+fs::path program_file() {
+    // The portable program is started by its loader, which /proc would name (player/launcher.c).
+    if (const char* const started = std::getenv("TOUCHABLE_STARTED_AS")) return started;
     std::error_code fault;
-    const fs::path program = fs::read_symlink("/proc/self/exe", fault);
-    return (program.parent_path() / way).lexically_normal();
+    return fs::read_symlink("/proc/self/exe", fault);
+}
+
+fs::path folder_from_program(const char* way) {
+    return (program_file().parent_path() / way).lexically_normal();
 }
 
 CLI::Option* add_overwrite_option(CLI::App& sub, Existing& existing) {

@@ -169,6 +169,8 @@ inline constexpr const char* fragmented_names = "NAME.mp4; no other form is writ
 /// Adds --archive, --exact-colour and --fragmented, for commands that write clips.
 void add_storage_options(CLI::App& command, ClipStorage& storage);
 
+/// This program; empty: the system does not tell.
+std::filesystem::path program_file();
 /// A folder of files that come with the program, in the build tree or the installation; `way` leads there
 /// from the program's own folder.
 std::filesystem::path folder_from_program(const char* way);
