@@ -15,7 +15,7 @@ import os
 import pathlib
 import weakref
 from ctypes import POINTER, c_char, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
-from typing import Any, Callable, NoReturn, Self
+from typing import Any, Callable, NoReturn, TypeVar
 
 import numpy
 
@@ -322,6 +322,9 @@ class Handle:
         return not self._end.alive
 
 
+_Self = TypeVar("_Self")  # typing.Self is of Python 3.11
+
+
 class Closable:
     """What holds a C object until it is closed, at the latest where its `with` ends."""
 
@@ -336,7 +339,7 @@ class Closable:
         """Whether it was closed."""
         return self._handle.closed
 
-    def __enter__(self) -> Self:
+    def __enter__(self: _Self) -> _Self:
         return self
 
     def __exit__(self, *problem: Any) -> None:

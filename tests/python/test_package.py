@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What comes with the package: its documentation, its wheel and libraries, examples and plots."""
+import ast
 import contextlib
 import dataclasses
 import enum
@@ -133,7 +134,7 @@ class Wheel(unittest.TestCase):
         metadata = importlib.metadata.metadata("touchable")
         self.assertEqual(metadata["License-File"], "LICENSE")
         self.assertEqual(metadata["License"], "Apache-2.0")
-        self.assertEqual(metadata["Requires-Python"], ">=3.11")
+        self.assertEqual(metadata["Requires-Python"], ">=3.10")
         self.assertEqual(metadata["Description-Content-Type"], "text/markdown")
         kinds = {each.split(" :: ")[0] for each in metadata.get_all("Classifier")}
         self.assertLessEqual({"Development Status", "License", "Operating System", "Topic"}, kinds)
@@ -141,6 +142,25 @@ class Wheel(unittest.TestCase):
         program = re.search(r"(?:^    .*\n|^\n(?=    ))+", description, re.M)[0]
         self.assertIn("forces_at", program)
         self.assertIn(program.strip("\n"), (source / "docs/python.md").read_text(), "where it is tried")
+
+    def test_OldestPythonHasAllNames(self):
+        """Debian has no Python 3.10 to run it by."""
+        newer = set("""typing.Self typing.Never typing.LiteralString typing.Required typing.NotRequired typing.Unpack
+            typing.TypeVarTuple typing.assert_never typing.assert_type typing.reveal_type typing.dataclass_transform
+            typing.override tomllib ExceptionGroup BaseExceptionGroup datetime.UTC enum.StrEnum enum.ReprEnum enum.EnumType
+            enum.verify enum.member enum.nonmember contextlib.chdir hashlib.file_digest itertools.batched math.cbrt math.exp2
+            math.sumprod operator.call sys.exception asyncio.TaskGroup asyncio.Runner asyncio.timeout locale.getencoding
+            inspect.getmembers_static warnings.deprecated calendar.Month queue.ShutDown""".split())
+        files = [*(source / "python/touchable").glob("*.py"), *(source / "examples/python").glob("*.py")]
+        self.assertGreater(len(files), 10)
+        for file in files:
+            names = set()
+            for node in ast.walk(ast.parse(file.read_text(), feature_version=(3, 10))):
+                if isinstance(node, ast.ImportFrom):
+                    names |= {node.module, *(f"{node.module}.{each.name}" for each in node.names)}
+                elif isinstance(node, (ast.Attribute, ast.Name, ast.alias)):
+                    names.add(ast.unparse(node))
+            self.assertEqual(names & newer, set(), file)
 
     def test_IsWhatIsTested(self):
         version = importlib.metadata.version("touchable")
