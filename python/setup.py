@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What pyproject.toml cannot say: the version, which the project's CMakeLists.txt has; the two shared libraries, which go into
-the wheel; and their C++ sources, which go into an sdist. The libraries are taken from the folder that TOUCHABLE_LIBRARIES
-names, and built where it names none."""
+"""What pyproject.toml cannot say: the version, which the project's CMakeLists.txt has; the shared libraries, which go into the
+wheel; and their C++ sources, which go into an sdist. The libraries are taken from the folder that TOUCHABLE_LIBRARIES names,
+where libtouchable-media may be absent, and built where it names none."""
 
+import functools
 import os
 import pathlib
 import re
@@ -18,6 +19,7 @@ here = pathlib.Path(__file__).resolve().parent
 top = here / "source" if (here / "source").is_dir() else here.parent  # in an sdist; in the repository
 sources = ("CMakeLists.txt", "LICENSE", "capi", "cmake", "device", "engine", "haptics_cpu", "shaders")
 libraries = ("libtouchable.so.0", "libtouchable-media.so.0")
+everywhere = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}  # of any Linux
 programs = {"c++": "g++", "cmake": "cmake", "ninja": "ninja-build", "pkg-config": "pkg-config"}  # and Debian's packages of them
 packages = ("libglm-dev nlohmann-json3-dev libxxhash-dev libavformat-dev libavcodec-dev libavutil-dev libswresample-dev "
             "libswscale-dev libsrt-gnutls-dev libzstd-dev libzip-dev libtiff-dev libopenexr-dev liblz4-dev libbz2-dev libsqlite3-dev "
@@ -33,16 +35,15 @@ def version():
     return re.search(r"project\(touchable VERSION ([0-9.]+)", text)[1]
 
 
+@functools.lru_cache(maxsize=None)
 def folder_of_libraries():
     """TOUCHABLE_LIBRARIES, from the top of the repository where it is no absolute path; else where they are built."""
     if "TOUCHABLE_LIBRARIES" not in os.environ:
         return built()
     folder = top / os.environ["TOUCHABLE_LIBRARIES"]
-    missing = [name for name in libraries if not (folder / name).exists()]
-    if missing:
-        raise SystemExit(f"{folder} has no {' and no '.join(missing)}; build them (cmake --build --preset release --target "
-                         "touchable_shared touchable_media_shared), name their folder in TOUCHABLE_LIBRARIES, or name none: "
-                         "then they are built")
+    if not (folder / libraries[0]).exists():
+        raise SystemExit(f"{folder} has no {libraries[0]}; build it (cmake --build --preset release --target touchable_shared "
+                         "touchable_media_shared), name its folder in TOUCHABLE_LIBRARIES, or name none: then it is built")
     return folder
 
 
@@ -65,14 +66,17 @@ def built():
     return folder / "capi"
 
 
+def taken():
+    return [folder_of_libraries() / name for name in libraries if (folder_of_libraries() / name).exists()]
+
+
 class BuildWithLibraries(build_py):
     def run(self):
         super().run()
         into = pathlib.Path(self.build_lib) / "touchable" / "lib"
         into.mkdir(parents=True, exist_ok=True)
-        folder = folder_of_libraries()
-        for name in libraries:
-            shutil.copyfile(folder / name, into / name)
+        for library in taken():
+            shutil.copyfile(library, into / library.name)
 
 
 class SdistWithSources(sdist):
@@ -90,10 +94,16 @@ class SdistWithSources(sdist):
         shutil.copyfile(top / "LICENSE", licence)
 
 
-class WheelOfThisPlatform(bdist_wheel):
-    """For every Python 3, on the platform that the libraries were built for."""
+class WheelOfLibraries(bdist_wheel):
+    """For every Python 3. Libraries that need nothing but a C library of 2.N or newer are for any such Linux (PEP 600); others
+    are for the machine that builds them."""
 
     def get_tag(self):
+        said = subprocess.run(["readelf", "-hdVW", *taken()], check=True, stdout=subprocess.PIPE, text=True,
+                              env={**os.environ, "LC_ALL": "C"}).stdout if shutil.which("readelf") else "(NEEDED) [?]"
+        if set(re.findall(r"\(NEEDED\).*\[(.+)\]", said)) <= everywhere:
+            newest = max(map(int, re.findall(r"\bGLIBC_2\.(\d+)", said)))
+            return "py3", "none", f"manylinux_2_{newest}_{'aarch64' if 'AArch64' in said else 'x86_64'}"
         return "py3", "none", super().get_tag()[2]
 
 
@@ -103,4 +113,4 @@ class WithLibraries(Distribution):
 
 
 setup(version=version(), distclass=WithLibraries,
-      cmdclass={"build_py": BuildWithLibraries, "sdist": SdistWithSources, "bdist_wheel": WheelOfThisPlatform})
+      cmdclass={"build_py": BuildWithLibraries, "sdist": SdistWithSources, "bdist_wheel": WheelOfLibraries})

@@ -195,14 +195,14 @@ _media_functions = {
 bundled = pathlib.Path(__file__).parent / "lib"
 
 
-def _load(soname: str, what: str) -> ctypes.CDLL:
-    """The library of the wheel, else the system's. What others need of it they find under its soname."""
-    beside = bundled / soname
+def _load(soname: str, what: str, comes_with: str, folder: str | None = None) -> ctypes.CDLL:
+    """The library in a folder that is named, else in the wheel, else the system's. Others find it by its soname."""
+    places = [pathlib.Path(folder, "lib", soname), pathlib.Path(folder, soname)] if folder else [bundled / soname]
+    path = next((str(place) for place in places if place.exists()), str(places[0]) if folder else soname)
     try:
-        return ctypes.CDLL(str(beside) if beside.exists() else soname, mode=ctypes.RTLD_GLOBAL)
+        return ctypes.CDLL(path, mode=ctypes.RTLD_GLOBAL)
     except OSError as problem:
-        raise ImportError(f"{soname}, {what}, cannot be loaded: {problem}. It comes with the wheel of touchable or with "
-                          "the Debian package touchable; what it needs of Debian is listed in docs/python.md") from None
+        raise ImportError(f"{soname}, {what}, cannot be loaded: {problem}. It comes with {comes_with} (docs/python.md)") from None
 
 
 def _bind(library: ctypes.CDLL, functions: dict[str, tuple]) -> dict[str, Any]:
@@ -218,7 +218,7 @@ def _bind(library: ctypes.CDLL, functions: dict[str, tuple]) -> dict[str, Any]:
     return bound
 
 
-_solver_library = _load("libtouchable.so.0", "the touch solver")
+_solver_library = _load("libtouchable.so.0", "the touch solver", "the wheel of touchable and the Debian package touchable")
 _solver_library.touch_version.restype = c_uint32
 _solver_library.touch_status_name.argtypes, _solver_library.touch_status_name.restype = (c_int32,), c_char_p
 _functions = _bind(_solver_library, _solver_functions)
@@ -233,7 +233,9 @@ def version() -> str:
 @functools.lru_cache(maxsize=None)
 def _media() -> dict[str, Any]:
     # Loaded only when a file is opened or written: it needs FFmpeg, which the solver does not.
-    return _bind(_load("libtouchable-media.so.0", "which opens and writes files"), _media_functions)
+    return _bind(_load("libtouchable-media.so.0", "which opens and writes files", "the Debian package touchable; or unpack the "
+                       "portable archive touchable-VERSION-linux-MACHINE.tar.xz and set TOUCHABLE_MEDIA to its folder",
+                       os.environ.get("TOUCHABLE_MEDIA")), _media_functions)
 
 
 def function(name: str) -> Any:

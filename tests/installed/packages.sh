@@ -7,4 +7,4 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 ./run deb
 ./run wheel
-exec tests/installed/run.sh build/release/touchable_*.deb out/touchable-*.whl
+exec tests/installed/run.sh build/release/touchable_*.deb out/touchable-*_x86_64.whl

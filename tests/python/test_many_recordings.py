@@ -19,7 +19,7 @@ import touchable
 from common import globe, longest_s, made, run, source
 
 many_s = 10 * longest_s  # workers start and die on a busy machine
-program = os.environ["TOUCHABLE_PROGRAM"]
+program = os.environ.get("TOUCHABLE_PROGRAM")
 with_workers = unittest.skipUnless(importlib.util.find_spec("distributed"), "Debian: python3-distributed is missing")
 
 # Stands before the program: notes which recording it is called for, and by which worker.
