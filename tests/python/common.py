@@ -8,6 +8,7 @@ import tempfile
 import unittest
 
 import numpy
+import PIL.Image
 import touchable
 
 source = pathlib.Path(os.environ["TOUCHABLE_SOURCE"])
@@ -40,8 +41,6 @@ def globe():
 
 def png(path):
     """Codes of a picture, as another program reads it."""
-    import PIL.Image
-
     with PIL.Image.open(path) as picture:
         return numpy.array(picture.convert("RGB") if picture.mode == "P" else picture)
 

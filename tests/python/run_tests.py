@@ -82,7 +82,8 @@ def main():
     result = InLinesOfGoogleTest()
     unittest.TestSuite(chosen).run(result)
     print(f"[==========] {result.testsRun} tests ran.")
-    media = without_program and re.search("/libav.*", pathlib.Path("/proc/self/maps").read_text())
+    maps = pathlib.Path("/proc/self/maps")  # in a bare root absent, as is what this looks for
+    media = without_program and maps.exists() and re.search("/libav.*", maps.read_text())
     if media or len({id(test) for test, _ in result.skipped}) * 2 >= result.testsRun:
         print(f"loaded {media[0]}" if media else "half of the tests were skipped")
         return 1
