@@ -52,7 +52,7 @@ extern "C" {
 #endif
 
 /** Version of this header: major * 10000 + minor * 100 + patch. */
-#define TOUCH_VERSION 200
+#define TOUCH_VERSION 300
 
 /* ---- Statuses and errors ------------------------------------------------------------------------------------- */
 
