@@ -117,5 +117,6 @@ TEXT
 } >"$top/LICENCES"
 
 mkdir -p out
+rm -f out/touchable-*-linux-x86_64.tar.xz
 tar -C build/portable --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" -cf - "$name" | xz --x86 --lzma2=preset=9e >"out/$name.tar.xz"
 echo "out/$name.tar.xz ($(($(stat -c %s "out/$name.tar.xz") / 1000000)) MB): unpack it anywhere, and run $name/bin/touchable"

@@ -1,11 +1,9 @@
-#!/bin/bash
+#!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # The portable archive runs where nothing is installed, and on older and newer systems than the one that built it, with the force
-# hash of the program that was built. On Debian 11 it opens a window.
-#   portable.sh ARCHIVE PROGRAM
-# Takes root, mmdebstrap and the Debian sources of this machine's apt for the systems; without them: exit code 77.
+# hash of the program that was built, and opens a window there. Exit code 77: there are no such systems.
 set -euo pipefail
-archive=$(realpath "$1") program=$(realpath "$2")
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 skip() { echo "portable.sh: skipped: $*" >&2; exit 77; }
 [[ $(id -u) == 0 ]] || skip "only root can make a root folder"
 command -v mmdebstrap >/dev/null || skip "needs mmdebstrap (Debian: mmdebstrap)"
@@ -13,6 +11,8 @@ command -v mmdebstrap >/dev/null || skip "needs mmdebstrap (Debian: mmdebstrap)"
 mirror=$(apt-get indextargets --format '$(ORIGIN) $(REPO_URI)' 'Created-By: Packages' | sed -n '/security/!s/^Debian //p' | head -n 1)
 [[ -n $mirror ]] || skip "this machine's apt knows no mirror of Debian; apt-get update"
 
+./run portable
+archive=$(echo out/touchable-*-linux-x86_64.tar.xz) program=build/release/player/touchable
 work=$(mktemp -d)
 trap 'rm -rf --one-file-system "$work"' EXIT
 mkdir "$work/its folder"
