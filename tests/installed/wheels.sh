@@ -6,6 +6,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 skip() { echo "wheels.sh: skipped: $*" >&2; exit 77; }
+[[ $(</etc/os-release) == *'VERSION_ID="12"'* ]] || skip "the wheel for any Linux is made on Debian 12"
 [[ $(id -u) == 0 ]] || skip "only root can make a root folder of Debian"
 command -v mmdebstrap >/dev/null || skip "needs mmdebstrap (Debian: mmdebstrap)"
 # shellcheck disable=SC2016  # apt-get replaces these
