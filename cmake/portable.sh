@@ -17,12 +17,12 @@ rm -rf build/portable
 cmake --install build/release --prefix "$top" >/dev/null
 mkdir -p "$top"/{libexec,python/touchable,share/vulkan/icd.d,share/fonts}
 mv "$top/bin/touchable" "$top/libexec/"
-cc -static -D_GNU_SOURCE -O2 -Wall -Wextra -s player/launcher.c -o "$top/bin/touchable"
+cc -static -D_GNU_SOURCE -O2 -Wall -Wextra -s cmake/launcher.c -o "$top/bin/touchable"
 rm -rf "$top"/{include,lib/*.a,lib/cmake,lib/pkgconfig}
 cp python/touchable/*.py python/touchable/py.typed "$top/python/touchable/"
 ln -s ../../lib "$top/python/touchable/lib"
 
-# Which group of libraries the machine's are preferred to, if it has them (player/launcher.c); nothing: all others.
+# Which group of libraries the machine's are preferred to, if it has them (cmake/launcher.c); nothing: all others.
 group_of() {
     case $1 in
         ld-linux-x86-64.so* | libc.so* | libm.so* | libpthread.so* | libdl.so* | librt.so* | libresolv.so* | libutil.so* | libanl.so* | libmvec.so*) echo libc ;;
@@ -30,8 +30,8 @@ group_of() {
         libasound.so*) echo alsa ;;
         libdrm.so*) echo drm ;;
         libvulkan.so*) echo vulkan ;;
-        libwayland-*) echo wayland ;;
-        libX11.so* | libX11-xcb.so* | libxcb.so* | libXau.so* | libXdmcp.so* | libXext.so* | libbsd.so* | libmd.so*) echo x11 ;;
+        libwayland-client.so*) echo wayland ;;
+        libX11.so* | libxcb.so* | libXau.so* | libXdmcp.so*) echo x11 ;;  # which never come alone
     esac
 }
 declare -A sources=() where=()

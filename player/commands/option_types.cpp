@@ -188,7 +188,7 @@ void add_storage_options(CLI::App& command, ClipStorage& storage) {
 }
 
 fs::path program_file() {
-    // The portable program is started by its loader, which /proc would name (player/launcher.c).
+    // The portable program is started by its loader, which /proc would name (cmake/launcher.c).
     if (const char* const started = std::getenv("TOUCHABLE_STARTED_AS")) return started;
     std::error_code fault;
     return fs::read_symlink("/proc/self/exe", fault);
