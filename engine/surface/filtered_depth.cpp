@@ -148,7 +148,8 @@ void FilteredDepth::normals(const SurfaceFrame& frame, const FloatRows& to) {
     std::array<std::vector<float>, 3> rows;
     for (auto& row : rows) row.assign(width + 2, 0.0F);
     const auto next_row = [&](int y) {
-        std::rotate(rows.begin(), rows.begin() + 1, rows.end());
+        std::swap(rows[0], rows[1]);
+        std::swap(rows[1], rows[2]);
         if (y >= frame.height) return rows[2].assign(width + 2, 0.0F);
         depths_->read_row(frame, y, read);
         std::copy(read.begin(), read.end(), rows[2].begin() + 1);

@@ -89,7 +89,8 @@ Result<void> refuse_idle_options(const ConvertTyped& typed) {
         return usage_error("--still is one frame, which has no fragments: leave --fragmented out");
     const bool is_mp4_clip = form == ClipForm::archive && is_mp4_name(typed.options.out);
     TRY(only(!is_mp4_clip && storage.fragmented, "--fragmented", fragmented_names));
-    const char* one = "clips and folders; NAME.png, .exr, .bt and --still are one frame, --from says which";
+    const char* one =
+        "clips and folders; NAME.png, NAME.exr, NAME.bt and --still are one frame, --from says which";
     TRY(only(one_frame && typed.to, "--to", one));
     return only(one_frame && typed.command->count("--every") > 0, "--every", one);
 }

@@ -581,7 +581,7 @@ TEST(RunScript, PrintsRootCommandWithoutSudo) {
 
 TEST(RunScript, NamesGroupsAndUnknownCommands) {
     const std::string groups =
-        "addon blender cross deb everything plots program proof sanitizers tests web wheel\n";
+        "addon blender cross deb everything plots portable program proof sanitizers tests web wheel\n";
     EXPECT_EQ(run_script("install", "/usr/bin").text,
               "run: install needs one group of packages or more: " + groups);
     EXPECT_EQ(run_script("install plot", "/usr/bin").text,
