@@ -10,7 +10,7 @@ ffmpeg_options=(--disable-static --enable-shared --disable-programs --disable-do
     --disable-avdevice --disable-avfilter --disable-postproc --enable-zlib --enable-gnutls --enable-libdav1d --enable-libopenh264)
 heif_options=(-DCMAKE_BUILD_TYPE=Release -DWITH_EXAMPLES=OFF -DWITH_X265=OFF -DWITH_LIBDE265=ON -DWITH_AOM=OFF -DWITH_AOM_DECODER=OFF
     -DWITH_AOM_ENCODER=OFF -DWITH_DAV1D=ON -DWITH_RAV1E=OFF -DWITH_SvtEnc=OFF -DENABLE_PLUGIN_LOADING=OFF)
-tiff_options=(-DCMAKE_BUILD_TYPE=Release -Djbig=OFF -Dlerc=OFF -Dwebp=OFF -Dtiff-tools=OFF -Dtiff-tests=OFF -Dtiff-docs=OFF
+tiff_options=(-DCMAKE_BUILD_TYPE=Release -Djbig=OFF -Dtiff-tools=OFF -Dtiff-tests=OFF -Dtiff-docs=OFF
     -Dtiff-contrib=OFF -Dtiff-opengl=OFF -Dcxx=OFF)
 
 version_of() { dpkg-query -W -f '${source:Version}' "$1"; }
