@@ -7,7 +7,8 @@ set -euo pipefail
 folder=$(realpath -m "$1")
 here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 ffmpeg_options=(--disable-static --enable-shared --disable-programs --disable-doc --disable-debug --disable-autodetect
-    --disable-avdevice --disable-avfilter --disable-postproc --enable-zlib --enable-gnutls --enable-libdav1d --enable-libopenh264)
+    --disable-avdevice --disable-avfilter --disable-postproc --enable-zlib --enable-gnutls --enable-libdav1d --enable-libopenh264
+    --extra-cflags='-include ../hypot.h')  # that of glibc 2.35 is all that would keep it from older ones
 heif_options=(-DCMAKE_BUILD_TYPE=Release -DWITH_EXAMPLES=OFF -DWITH_X265=OFF -DWITH_LIBDE265=ON -DWITH_AOM=OFF -DWITH_AOM_DECODER=OFF
     -DWITH_AOM_ENCODER=OFF -DWITH_DAV1D=ON -DWITH_RAV1E=OFF -DWITH_SvtEnc=OFF -DENABLE_PLUGIN_LOADING=OFF)
 tiff_options=(-DCMAKE_BUILD_TYPE=Release -Djbig=OFF -Dtiff-tools=OFF -Dtiff-tests=OFF -Dtiff-docs=OFF
@@ -38,6 +39,7 @@ cd "$folder/source"
 for package in "ffmpeg=$(version_of libavcodec-dev)" "libheif=$(version_of libheif-dev)" "tiff=$(version_of libtiff-dev)"; do
     apt-get "${apt_options[@]}" -q source "$package"
 done
+echo '__asm__(".symver hypot,hypot@GLIBC_2.2.5");' >hypot.h
 (
     cd ffmpeg-*/
     ./configure --prefix="$folder/installed" "${ffmpeg_options[@]}"

@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || stat -c %Y CMakeLists.txt)}
 export SOURCE_DATE_EPOCH
 ./run install portable
-./run build program
+./run build program installed_files touchable_wheel touchable_media_portable
 cmake/ffmpeg.sh build/media
 
 version=$(sed -n 's/^project(touchable VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
@@ -15,6 +15,7 @@ name=touchable-$version-linux-x86_64
 top=$PWD/build/portable/$name
 rm -rf build/portable
 cmake --install build/release --prefix "$top" >/dev/null
+cp build/release/capi/{wheel/libtouchable,portable/libtouchable-media}.so.0 "$top/lib/"  # a Python's libstdc++ may be older
 mkdir -p "$top"/{libexec,python/touchable,share/vulkan/icd.d,share/fonts}
 mv "$top/bin/touchable" "$top/libexec/"
 cc -static -D_GNU_SOURCE -O2 -Wall -Wextra -s cmake/launcher.c -o "$top/bin/touchable"

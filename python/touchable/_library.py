@@ -234,7 +234,7 @@ def version() -> str:
 def _media() -> dict[str, Any]:
     # Loaded only when a file is opened or written: it needs FFmpeg, which the solver does not.
     return _bind(_load("libtouchable-media.so.0", "which opens and writes files", "the Debian package touchable; or unpack the "
-                       "portable archive touchable-VERSION-linux-MACHINE.tar.xz and set TOUCHABLE_MEDIA to its folder",
+                       "portable archive touchable-VERSION-linux-x86_64.tar.xz and set TOUCHABLE_MEDIA to its folder",
                        os.environ.get("TOUCHABLE_MEDIA")), _media_functions)
 
 

@@ -12,12 +12,22 @@ mirror=$(apt-get indextargets --format '$(ORIGIN) $(REPO_URI)' 'Created-By: Pack
 [[ -n $mirror ]] || skip "this machine's apt knows no mirror of Debian; apt-get update"
 
 ./run portable
+./run wheel
 archive=$(echo out/touchable-*-linux-x86_64.tar.xz) program=build/release/player/touchable
 work=$(mktemp -d)
 trap 'rm -rf --one-file-system "$work"' EXIT
 mkdir "$work/its folder"
 tar -C "$work/its folder" -xf "$archive"
 unpacked=$(basename "$work"/its\ folder/*)
+/usr/bin/python3 -m zipfile -e out/touchable-*_x86_64.whl "$work/its folder/wheel"
+if [[ $(</etc/os-release) == *'VERSION_ID="12"'* ]]; then  # a Python keeps the C library and libstdc++ that it has: RHEL 9's are these
+    media=("$work/its folder/$unpacked/lib/libtouchable-media.so.0")
+    mapfile -t -O 1 media < <(ldd "${media[0]}" | sed -n "s/.* => \(.*\/$unpacked\/.*\) (.*/\1/p")
+    for newest in GLIBC_2.34 GLIBCXX_3.4.29; do
+        needs=$(objdump -T "${media[@]}" | grep -oE "${newest%_*}_[0-9.]+" | sort -V | tail -1)
+        [[ $needs == "$newest" ]] || { echo "libtouchable-media or a library that it needs wants $needs, newer than $newest" >&2; exit 1; }
+    done
+fi
 touching=(touch /tmp/globe.mkv --hand wander:extent=0.4,seed=2 --fingers 3 --json /tmp/report.json --overwrite)
 hash_in() { sed -n 's/.*"force_hash": "\([0-9a-f]\{16\}\)".*/\1/p' "$1/tmp/report.json"; }
 say() { printf '\n== %s\n' "$*"; }
@@ -73,8 +83,10 @@ for suite in bullseye trixie forky; do
         DISPLAY=:97 '/its folder/$unpacked/bin/touchable' play /tmp/globe.mkv --seconds 3 --painter mesh --screenshot /tmp/window.png
         code=\$?; kill \$server; exit \$code" || failed=yes
     if [[ $suite != bullseye ]]; then
-        PYTHONPATH="/its folder/$unpacked/python" chroot "$root" python3 -c 'import touchable
+        for site in "/its folder/$unpacked/python" "/its folder/wheel"; do
+            PYTHONPATH=$site TOUCHABLE_MEDIA=/its\ folder/$unpacked chroot "$root" python3 -c 'import touchable
 print(touchable.open("/tmp/globe.mkv").touch([[0, 0, -0.1]] * 50).force_n.shape)' || failed=yes
+        done
     fi
     umount -l "$root/dev" "$root/proc"
     [[ -z ${failed:-} && -s $root/tmp/window.png ]] || { echo "$suite: no window, or no Python module" >&2; exit 1; }
