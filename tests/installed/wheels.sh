@@ -25,7 +25,7 @@ try() {  # suite architecture machine mmdebstrap-option...
     mmdebstrap --quiet --mode=root --architectures="$2" --aptopt="$work/apt.conf" "${@:4}" "$1" "$root" "deb $mirror $1 main" ||
         skip "mmdebstrap could not make a root (above)"
     mkdir "$root/source"
-    cp -r --parents docs/python.md tests/python "$root/source"
+    cp -r --parents docs/python.md examples/python tests/python "$root/source"
     cp out/touchable-*_"$3".whl "$root"
     if [[ $3 == aarch64 ]]; then  # what was unpacked here runs by QEMU alone: no pip
         inside=$root
