@@ -5,7 +5,6 @@
 # A second run with the same sources and settings does nothing. Root is not needed, and the system's lists of packages stay.
 set -euo pipefail
 folder=$(realpath -m "$1")
-here=$(realpath "$(dirname "${BASH_SOURCE[0]}")")
 ffmpeg_options=(--disable-static --enable-shared --disable-programs --disable-doc --disable-debug --disable-autodetect
     --disable-avdevice --disable-avfilter --disable-postproc --enable-zlib --enable-gnutls --enable-libdav1d --enable-libopenh264
     --extra-cflags='-include ../hypot.h')  # that of glibc 2.35 is all that would keep it from older ones
