@@ -93,7 +93,7 @@ touchable $version is under the Apache License 2.0 (share/doc/touchable). This a
 licence. None is under the GPL alone, so that the whole may be passed on as it is, with this file. FFmpeg, libheif and others are
 under the LGPL: each is a file of its own in lib/, which you may replace by your own build.
 
-Their sources are Debian's source packages of the names and versions below (https://snapshot.debian.org/). FFmpeg, libheif and libtiff were
+Their sources are Debian's source packages of the names and versions below (its snapshot archive keeps all). FFmpeg, libheif and libtiff were
 built from these by cmake/ffmpeg.sh of touchable's source, with these settings:
 
 $(<build/media/sources)
