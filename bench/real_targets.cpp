@@ -95,8 +95,8 @@ std::vector<Target> make_real_targets(const std::string& choice) {
           "real-others-d435", "real-others-sr300"},
          "ours_cpu_ms",
          at_most(4, "ms")},
-        {"librealsense's filters, error over ours at equal relief", coarse, "rs_times", at_least(3, "")},
-        {"OpenCV's bilateral filter, the same", coarse, "cv_times", at_least(3, "")},
+        {"librealsense's error over ours, equal relief", coarse, "rs_times", at_least(3, "")},
+        {"bilateral filter's error over ours, the same", coarse, "cv_times", at_least(3, "")},
         {"on neither side of a silhouette", edges, "bleed_px", at_most(0, "px")},
         {"generated clips of 16 bits, changed", {named("generated")}, "changed_pct", at_most(0, "%")}};
 }
