@@ -163,14 +163,14 @@ bool is_lossless_hevc(ParameterBytes hvcc) {
     const auto unit = hevc_unit(hvcc, picture_parameters);
     if (!unit) return false;
     BitReader bits(*unit);
-    bits.get(16);   // the unit's header
+    bits.get(16);  // the unit's header
     bits.golomb();  // ids of picture and sequence parameters
     bits.golomb();
     bits.get(7);  // dependent slices, output flag, 3 extra bits, hidden signs, cabac_init
     for (int number = 0; number < 3; ++number) bits.golomb();  // references of two lists, quantiser
-    bits.get(2);                                               // constrained intra, skipped transforms
-    if (bits.flag()) bits.golomb();                            // a quantiser for each block
-    bits.golomb();                                             // offsets for colour
+    bits.get(2);                                              // constrained intra, skipped transforms
+    if (bits.flag()) bits.golomb();                           // a quantiser for each block
+    bits.golomb();                                            // offsets for colour
     bits.golomb();
     bits.get(3);  // offsets for each slice, weights
     const bool leaves_out_transform = bits.flag();

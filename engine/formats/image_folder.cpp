@@ -638,6 +638,8 @@ private:
                        .code_max = 65535};
         scene.depth_bits = 16;
         scene.height_coding = {};
+        scene.rate.own_times.reset();  // an array has no times: their mean rate stays
+        described.unstated.rate = false;
         // A scene file's far plane is that of a whole number of its scale: nearer ones are found in the frames.
         described.unstated.far = scene.depth.far < scene.depth.scale;
         return write_text(opens_by_, scene_to_json(described));

@@ -32,6 +32,7 @@ struct Converted {
     std::vector<TrackInfo> tracks;   ///< tracks of the output
     std::int64_t frames = 0;
     PlaneLosses losses;
+    bool own_times = false;                 ///< frames of the source have
     std::string sound;                      ///< what happened to the sound; empty: no sound
     std::optional<ForceComparison> forces;  ///< if values of touch planes were lost
 };
@@ -266,6 +267,8 @@ std::string report_of_conversion(const ConvertOptions& options, const Converted&
                                           !options.content && options.form != ClipForm::web)) +
                          " (" + track.codec + (is_still ? ", one picture for all frames)" : ")"));
     }
+    if (options.form == ClipForm::floats && done.own_times)
+        text += line("times", "LOST: an array has one rate, that of their mean");
     if (!done.sound.empty()) text += line("sound", done.sound);
     if (done.forces) text += line("force", forces_in_words(*done.forces));
     if ((is_one_frame(options.form) || are_floats(options.form)) && options.form != ClipForm::mp4_still)
@@ -500,6 +503,7 @@ private:
             described.error_bars_to = error_bars_to_;
         }
         done_.scene = described.scene;
+        done_.own_times = described.scene.rate.own_times != nullptr;
         say_what_mpeg4_cannot(described.scene);
         TRY_ASSIGN(writer_, [&]() -> Result<std::unique_ptr<ClipWriter>> {
             const auto sound = chosen_sound();

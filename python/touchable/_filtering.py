@@ -62,8 +62,8 @@ class Filter:
             self._begin(pictures)
 
     def __call__(self, picture: Any) -> NDArray[numpy.float32]:
-        """Depth of the next picture as the filters leave it: metres, (height, width) float32. `picture`: a Frame, a depth array, or a dict or tuple
-        of planes, as Surface.push takes them. Raises UsageError as Surface.push does."""
+        """Depth of the next picture as the filters leave it: metres, (height, width) float32. `picture`: a Frame, a depth array,
+        or a dict or tuple of planes, as Surface.push takes them. Raises UsageError as Surface.push does."""
         if self.scene is None:
             self._begin([picture])
         self._surface._push(picture, None)
@@ -104,8 +104,8 @@ class Filter:
 
 def filtered(depth: ArrayLike | Frame, camera: Camera | Scene | None = None) -> Filtered:
     """One depth picture as the filters leave it that the program would choose for it: metres, (height, width) float32, and what
-    Filtered has. `depth`, `camera`: as Surface takes them; filters of a Scene that it states stay. For pictures one after the other, a Filter or frame.filtered_metres does
-    better: it averages. Raises UsageError as Surface does."""
+    Filtered has. `depth`, `camera`: as Surface takes them; filters of a Scene that it states stay. For
+    pictures one after the other, a Filter or frame.filtered_metres does better: it averages. Raises UsageError as Surface does."""
     if camera is None and hasattr(depth, "scene"):
         camera = depth.scene
     one = Filter(camera, [depth], error_bars=True)

@@ -66,6 +66,13 @@ class Filtering(unittest.TestCase):
         with self.assertRaisesRegex(touchable.UsageError, "closed"):
             late.normals
 
+    def test_ArraysHaveMeanRate(self):
+        pictures, camera = noisy(4)
+        touchable.write(self.folder + "/own.mkv", pictures, camera=camera, times_ns=[0, 30_000_000, 110_000_000, 150_000_000])
+        self.assertIn("times   LOST", run("convert", self.folder + "/own.mkv", self.folder + "/own.npy"))
+        with touchable.open(self.folder + "/own.mkv") as own, touchable.open(self.folder + "/own.npy") as array:
+            self.assertAlmostEqual(array.frames_per_second, own.frames_per_second)
+
     def test_FilterIsClipsFilter(self):
         path = self.noisy_clip()
         with touchable.open(path) as clip:
