@@ -19,11 +19,11 @@
 
 #include "capi/touchable.h"
 #include "engine/base/try.hpp"
+#include "engine/run/touch_run.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/depth_estimator.hpp"
 #include "engine/surface/surface_builder.hpp"
-#include "haptics_cpu/touch_step.hpp"
 
 using namespace touchable;
 using namespace touchable::capi;
@@ -42,43 +42,38 @@ struct SceneObject {
 
 constexpr auto scenes = handles<SceneObject, 1, Forked::usable>;
 
-/// The object of a touch_surface. One thread pushes, one solver reads the timeline.
+/// The object of a touch_surface. One thread pushes, one solver meets what was pushed.
 struct SurfaceObject {
     SurfaceObject(const Scene& of_scene, const touch_surface_settings& of_program)
         : of_integers(of_scene),
           of_floats(scene_of_depth(of_scene, TOUCH_F32)),
           settings(of_program),
-          timeline(std::max(settings.frames, 4)),
+          queue(of_integers, nullptr, 0, SurfaceTimeline::Eye::none, std::max(settings.frames, 4)),
           has_solver(settings.frames == 1) {}
 
     /// Before the first frame: settles the scene by its depth.
     void settle(std::int32_t sample) {
         const Scene& settled = sample == TOUCH_F32 ? of_floats : of_integers;
         scratch.integer_scale = integer_scale_after(of_integers, sample);
-        builder = make_cpu_builder(settled, CpuPlan{settings.threads});
+        auto builder = make_cpu_builder(settled, CpuPlan{settings.threads});
         if (settings.error_bars == 1) builder = with_error_bars(std::move(builder), settled);
         floats = std::make_unique<FilteredDepth>(settled);
-        chosen.store(&settled, std::memory_order_release);
+        queue.build_with(settled, std::move(builder));
     }
-    /// A solver's thread calls it after it has looked for frames.
-    const Scene& scene() const { return *chosen.load(std::memory_order_acquire); }
 
     struct FramePlace {
         std::int64_t number = 0, time_ns = 0;
     };
 
     const Scene of_integers, of_floats;
-    std::atomic<const Scene*> chosen{&of_integers};
     const touch_surface_settings settings;
-    std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards the members up to the timeline
-    std::unique_ptr<SurfaceBuilder> builder;
+    std::atomic_flag pushing = ATOMIC_FLAG_INIT;  ///< guards the members up to the scale
     std::unique_ptr<FilteredDepth> floats;
-    const SurfaceFrame* pushed = nullptr;  ///< last; it stays until the next one is built
     bool epoch_has_ended = false;
     std::optional<FramePlace> newest;  ///< of this epoch
     FrameScratch scratch;
     std::atomic<double> hand_scale{0};  ///< 0 until there is a frame
-    SurfaceTimeline timeline;
+    SurfaceQueue queue;
     std::atomic<bool> has_solver;  ///< or needs none
 };
 
@@ -107,14 +102,13 @@ private:
 
 /// The object of a touch_solver.
 struct SolverObject {
-    SolverObject(Reading of_surface, const TouchSolver& with, const GuardSettings& guard, int fingers)
-        : surface(std::move(of_surface)), solver(with), step(solver, guard, fingers) {}
+    SolverObject(Reading of_surface, const TouchSolver& solver, const GuardSettings& guard, int fingers)
+        : surface(std::move(of_surface)),
+          run(surface->queue, nullptr, solver, guard, fingers) {}
 
     const Reading surface;
-    const TouchSolver solver;
     std::atomic_flag ticking = ATOMIC_FLAG_INIT;  ///< guards the members below
-    TouchStep step;
-    ForceHash hash;
+    TouchRun run;
     std::optional<std::int64_t> last_tick;
     FramePair pair;
 };
@@ -260,26 +254,27 @@ double hand_scale_of(const Scene& scene, const SurfaceFrame& first) {
 }
 
 Result<touch_status> push(SurfaceObject& surface, const touch_frame& frame, touch_error* error) {
-    SurfaceFrame* slot = surface.timeline.acquire();
-    if (!slot)
+    SurfaceTimeline& timeline = surface.queue.timeline();
+    if (!timeline.acquire())
         return fail(error, TOUCH_FULL,
                     "every frame is still needed; push this one again once ticks have gone on");
-    if (surface.hand_scale.load(std::memory_order_relaxed) == 0) surface.settle(frame.depth.sample);
-    TRY_ASSIGN(auto raw, raw_frame(frame, surface.scene(), surface.scratch));
-    raw.epoch = surface.timeline.epoch();
+    const bool is_first = surface.hand_scale.load(std::memory_order_relaxed) == 0;
+    if (is_first) surface.settle(frame.depth.sample);
+    const Scene& scene = surface.queue.scene();
+    TRY_ASSIGN(auto raw, raw_frame(frame, scene, surface.scratch));
+    raw.epoch = timeline.epoch();
     if (surface.epoch_has_ended) return usage_error("the epoch has ended; begin another one first");
     if (surface.newest && (raw.number <= surface.newest->number || raw.time_ns <= surface.newest->time_ns))
         return usage_error("the frame's number or time_ns is not later than the one before");
-    surface.pushed = nullptr;
-    TRY(surface.builder->build(raw, *slot));
-    if (surface.hand_scale.load(std::memory_order_relaxed) == 0)
-        surface.hand_scale.store(hand_scale_of(surface.scene(), *slot), std::memory_order_release);
-    TRY(surface.timeline.publish(raw.number, raw.time_ns));
-    surface.newest = {raw.number, raw.time_ns};
-    surface.pushed = slot;
+    const MediaMoment moment{raw.epoch, raw.time_ns, raw.time_ns};
+    const SurfaceObject::FramePlace place{raw.number, raw.time_ns};
+    TRY(surface.queue.give({std::move(raw)}, [&](const SurfaceFrame& built) {
+        if (is_first) surface.hand_scale.store(hand_scale_of(scene, built), std::memory_order_release);
+    }));
+    surface.newest = place;
     // Without a solver this thread is the reader, and gives earlier frames up.
     FramePair pair;
-    if (surface.settings.frames == 1) surface.timeline.pair_at({raw.epoch, raw.time_ns, raw.time_ns}, pair);
+    if (surface.settings.frames == 1) timeline.pair_at(moment, pair);
     return TOUCH_OK;
 }
 
@@ -326,7 +321,7 @@ Result<TouchSolver> solver_of(const SurfaceObject& surface, const touch_solver_s
     if (settings.metres_per_scene_unit == 0)
         return usage_error(
             "metres_per_scene_unit is 0 and no frame was pushed yet; push the first one, or state it");
-    auto made = TouchSolver::create(surface.scene(), settings);
+    auto made = TouchSolver::create(surface.queue.scene(), settings);
     if (!made) return usage_error(made.error().message);
     return made;
 }
@@ -374,14 +369,13 @@ bool is_sound(const touch_tick& tick) {
 /// One tick of a solver that no other thread uses.
 void run_tick(SolverObject& solver, std::int64_t tick, const MediaMoment& moment, const touch_vec3* goals,
               unsigned char* contacts, std::size_t stride) {
-    const std::span<glm::dvec3> to = solver.step.goals();
+    const std::span<glm::dvec3> to = solver.run.goals();
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = {goals[k].x, goals[k].y, goals[k].z};
-    solver.surface->timeline.pair_at(moment, solver.pair);
-    const TouchTick done = solver.step.run(tick, moment.time_ns, solver.surface->scene(), solver.pair);
-    for (std::size_t k = 0; k < to.size(); ++k) {
+    solver.surface->queue.timeline().pair_at(moment, solver.pair);
+    solver.run.meet(tick, moment.time_ns, solver.pair);
+    const TouchTick done = solver.run.solve();
+    for (std::size_t k = 0; k < to.size(); ++k)
         write_contact(contact_of(done.contacts[k], done.forces[k]), contacts + k * stride, stride);
-        solver.hash.add(done.forces[k].force);
-    }
     solver.last_tick = tick;
 }
 
@@ -411,15 +405,16 @@ bool is_steady(const GuardedForce& now, const glm::dvec3& before) {
 /// Solves fingers at rest, `resting_at_a_time` or fewer: each begins where its ray meets the surface, and
 /// ticks until its force is steady. Its contact is written at that tick, so it does not depend on other
 /// fingers.
-void rest(TouchStep& step, const Scene& scene, const FramePair& pair, const touch_vec3* points,
-          unsigned char* contacts, std::size_t stride) {
-    const std::size_t count = step.goals().size();
-    for (std::size_t k = 0; k < count; ++k) step.goals()[k] = {points[k].x, points[k].y, points[k].z};
+void rest(TouchRun& run, const FramePair& pair, const touch_vec3* points, unsigned char* contacts,
+          std::size_t stride) {
+    const std::size_t count = run.goals().size();
+    for (std::size_t k = 0; k < count; ++k) run.goals()[k] = {points[k].x, points[k].y, points[k].z};
     std::array<glm::dvec3, resting_at_a_time> before;
     std::array<bool, resting_at_a_time> rests{};
     std::size_t moving = count;
     for (std::int64_t tick = 0; tick < most_ticks_to_rest && moving > 0; ++tick) {
-        const TouchTick done = step.run(tick, pair.next.time_ns, scene, pair);
+        run.meet(tick, pair.next.time_ns, pair);
+        const TouchTick done = run.solve();
         for (std::size_t k = 0; k < count; ++k) {
             if (rests[k]) continue;
             const Contact& met = done.contacts[k];
@@ -585,9 +580,9 @@ touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, to
         if (!use) return fail_without(use, error, "surface");
         const TryLock lock(use->pushing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
-        if (epoch <= use->timeline.epoch() || epoch == std::numeric_limits<std::uint64_t>::max())
+        if (epoch <= use->queue.timeline().epoch() || epoch == std::numeric_limits<std::uint64_t>::max())
             return usage_error("the epoch's number is not larger than the one before");
-        use->timeline.begin_epoch(epoch);
+        use->queue.timeline().begin_epoch(epoch);
         use->epoch_has_ended = false;
         use->newest.reset();
         return TOUCH_OK;
@@ -596,7 +591,7 @@ touch_status touch_surface_begin_epoch(touch_surface surface, uint64_t epoch, to
 
 touch_status touch_surface_end_epoch(touch_surface surface) {
     return with_object(surfaces(), surface, &SurfaceObject::pushing, [](SurfaceObject& object) {
-        object.timeline.end_epoch();
+        object.queue.timeline().end_epoch();
         object.epoch_has_ended = true;
     });
 }
@@ -604,7 +599,7 @@ touch_status touch_surface_end_epoch(touch_surface surface) {
 touch_status touch_surface_newest_ns(touch_surface surface, int64_t* time_ns) {
     if (!time_ns) return TOUCH_USAGE;
     return with_object(surfaces(), surface,
-                       [&](const auto& object) { *time_ns = object.timeline.newest_time(); });
+                       [&](const auto& object) { *time_ns = object.queue.timeline().newest_time(); });
 }
 
 touch_status touch_surface_hand_scale(touch_surface surface, double* metres_per_scene_unit,
@@ -629,18 +624,19 @@ touch_status touch_surface_filtered(touch_surface surface, const touch_filtered*
         if (!use) return fail_without(use, error, "surface");
         const TryLock lock(use->pushing);
         if (!lock) return fail(error, TOUCH_BUSY, "another thread is pushing to this surface");
-        if (!use->pushed) return usage_error("no frame was pushed yet; push the first one before");
+        const SurfaceFrame* const pushed = use->queue.newest();
+        if (!pushed) return usage_error("no frame was pushed yet; push the first one before");
         TRY_ASSIGN(const auto metres,
-                   rows_for("metres", filtered->metres, filtered->metres_stride_bytes, use->pushed->width));
+                   rows_for("metres", filtered->metres, filtered->metres_stride_bytes, pushed->width));
         TRY_ASSIGN(const auto normals, rows_for("normals", filtered->normals, filtered->normals_stride_bytes,
-                                                3 * use->pushed->width));
+                                                3 * pushed->width));
         TRY_ASSIGN(const auto degrees, rows_for("error_degrees", filtered->error_degrees,
-                                                filtered->error_degrees_stride_bytes, use->pushed->width));
+                                                filtered->error_degrees_stride_bytes, pushed->width));
         if (degrees.data && use->settings.error_bars == 0)
             return usage_error("error_degrees needs a surface with error_bars");
-        if (metres.data) use->floats->metres(*use->pushed, metres);
-        if (normals.data) use->floats->normals(*use->pushed, normals);
-        if (degrees.data) use->floats->error_degrees(*use->pushed, degrees);
+        if (metres.data) use->floats->metres(*pushed, metres);
+        if (normals.data) use->floats->normals(*pushed, normals);
+        if (degrees.data) use->floats->error_degrees(*pushed, degrees);
         return TOUCH_OK;
     });
 }
@@ -691,7 +687,7 @@ touch_status touch_solver_run(touch_solver solver, const touch_tick* first, size
     const TryLock lock(use->ticking);
     if (!lock) return TOUCH_BUSY;
     if (use->last_tick && begin.tick <= *use->last_tick) return TOUCH_USAGE;
-    const auto fingers = static_cast<std::size_t>(use->step.fingers());
+    const auto fingers = static_cast<std::size_t>(use->run.fingers());
     auto* out = reinterpret_cast<unsigned char*>(contacts);
     for (std::size_t k = 0; k < count; ++k) {
         const auto later = static_cast<std::int64_t>(k);
@@ -704,13 +700,13 @@ touch_status touch_solver_run(touch_solver solver, const touch_tick* first, size
 
 touch_status touch_solver_come_back(touch_solver solver) {
     return with_object(solvers(), solver, &SolverObject::ticking,
-                       [](auto& object) { object.step.come_back(); });
+                       [](auto& object) { object.run.come_back(); });
 }
 
 touch_status touch_solver_force_hash(touch_solver solver, uint64_t* hash) {
     if (!hash) return TOUCH_USAGE;
     return with_object(solvers(), solver, &SolverObject::ticking,
-                       [&](const auto& object) { *hash = object.hash.value(); });
+                       [&](const auto& object) { *hash = object.run.hash().value(); });
 }
 
 touch_status touch_solver_destroy(touch_solver solver) {
@@ -742,15 +738,16 @@ touch_status touch_surface_forces_at(touch_surface surface, const touch_solver_s
         const Reading reading(std::move(use));
         if (!reading) return fail_has_reader(reading->settings, error);
         FramePair pair;
-        if (!reading->timeline.pair_at(MediaMoment{at.epoch, at.time_ns, at.epoch_start_ns}, pair))
+        if (!reading->queue.timeline().pair_at(MediaMoment{at.epoch, at.time_ns, at.epoch_start_ns}, pair))
             return usage_error("no frame was pushed yet; push the first one before");
         const Scene scene =
-            friction == TOUCH_FRICTION_ON ? reading->scene() : without_friction(reading->scene());
+            friction == TOUCH_FRICTION_ON ? reading->queue.scene() : without_friction(reading->queue.scene());
+        SurfaceQueue still(scene, nullptr);
         auto* out = reinterpret_cast<unsigned char*>(contacts);
         for (std::size_t k = 0; k < count; k += resting_at_a_time) {
             const std::size_t some = std::min(resting_at_a_time, count - k);
-            TouchStep step(solver, guard_of(wanted), static_cast<int>(some));
-            rest(step, scene, pair, points + k, out + k * contact_stride_bytes, contact_stride_bytes);
+            TouchRun run(still, nullptr, solver, guard_of(wanted), static_cast<int>(some));
+            rest(run, pair, points + k, out + k * contact_stride_bytes, contact_stride_bytes);
         }
         return TOUCH_OK;
     });

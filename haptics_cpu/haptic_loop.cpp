@@ -169,16 +169,12 @@ void sleep_until(std::chrono::steady_clock::time_point moment) {
     }
 }
 
-HapticLoop::HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port,
-                       TickLog& log, MomentOfTick moment_of_tick)
-    : scene_(scene),
-      timeline_(timeline),
-      step_(step),
+HapticLoop::HapticLoop(HapticTicks ticks, HapticPort& port, TickLog& log)
+    : ticks_(std::move(ticks)),
       port_(port),
       log_(log),
-      moment_of_tick_(std::move(moment_of_tick)),
-      newtons_(static_cast<std::size_t>(step.fingers())),
-      shares_(static_cast<std::size_t>(step.fingers())) {}
+      newtons_(ticks_.goals.size()),
+      shares_(ticks_.goals.size()) {}
 
 HapticLoop::~HapticLoop() {
     stop();
@@ -241,27 +237,22 @@ void HapticLoop::tick_until_stopped() {
 }
 
 /// Uses a clock that goes on while the machine is suspended. (Ticks stand still then, as the clip does.)
-void HapticLoop::look_for_gap() {
+bool HapticLoop::finds_gap() {
     const std::int64_t now = clock_(), alone_ns = now - std::exchange(ticked_ns_, now);
-    if (alone_ns <= longest_gap_ns) return;
+    if (alone_ns <= longest_gap_ns) return false;
     ++facts_.gaps;
-    step_.come_back();
     port_.come_back(alone_ns / 1'000'000);
+    return true;
 }
 
 bool HapticLoop::tick(std::int64_t tick, double late_us) {
-    const std::int64_t time_ns = std::chrono::nanoseconds(tick * tick_time).count();
-    time_ns_.store(time_ns, std::memory_order_relaxed);
-    FramePair pair;
-    timeline_.pair_at(moment_of_tick_ ? moment_of_tick_(tick) : MediaMoment{0, time_ns, 0}, pair);
-    timeline_.show(tick);
-    const HeightField field(scene_, pair);
-    look_for_gap();
+    time_ns_.store(std::chrono::nanoseconds(tick * tick_time).count(), std::memory_order_relaxed);
+    const HeightField field = ticks_.meet(tick, finds_gap());
     const auto asked = steady_clock::now();
-    if (!answer_of([&] { return port_.read_goals(tick, field, step_.goals()); })) return false;
+    if (!answer_of([&] { return port_.read_goals(tick, field, ticks_.goals); })) return false;
     const auto read = steady_clock::now();
-    for (std::size_t k = 0; k < newtons_.size(); ++k) step_.hops()[k] = port_.hops(k);
-    TouchTick done = step_.run(tick, time_ns, scene_, pair);
+    for (std::size_t k = 0; k < newtons_.size(); ++k) ticks_.hops[k] = port_.hops(k);
+    TouchTick done = ticks_.solve();
     done.late_us = late_us;
     for (std::size_t k = 0; k < newtons_.size(); ++k) newtons_[k] = done.forces[k].force;
     const auto computed = steady_clock::now();

@@ -3,9 +3,9 @@
 
 // The loop of a thousand ticks a second, in real time.
 //
-// HapticLoop runs a TouchStep on its own thread: each millisecond it takes goals from the HapticPort and the
-// pair of frames from the timeline, and returns forces; the results go into the TickLog, a ring that another
-// thread empties. become_realtime requests SCHED_FIFO and locked memory, and reports what was granted.
+// HapticLoop runs HapticTicks on its own thread: each millisecond it meets a surface, takes goals from the
+// HapticPort, solves, and returns forces; the results go into the TickLog, a ring that another thread empties.
+// become_realtime requests SCHED_FIFO and locked memory, and reports what was granted.
 //
 // Threads: the haptic thread, a loop's own, waits for no other: a late goal or force is missing, never waited
 // for. A tick whose time has passed is skipped and counted.
@@ -157,15 +157,11 @@ public:
         bool port_failed = false;    ///< it returned false, or threw
         bool broke_off = false;      ///< another exception in a tick: an internal error
     };
-    /// The moment of the clip for a tick; called by the haptic thread in each tick, so it must not wait.
-    /// Empty: the tick's own time, of epoch 0.
-    using MomentOfTick = std::function<MediaMoment(std::int64_t)>;
     /// TouchStep's longest gap. After a longer one, because the program was stopped, or the machine was
-    /// suspended or busy, the next tick begins with TouchStep::come_back.
+    /// suspended or busy, the next tick is met after a gap.
     static constexpr std::int64_t longest_gap_ns = TouchStep::longest_gap_ticks * tick_ns;
-    /// All arguments outlive the loop; it is the only reader of `timeline` and the only writer of `log`.
-    HapticLoop(const Scene& scene, SurfaceTimeline& timeline, TouchStep& step, HapticPort& port, TickLog& log,
-               MomentOfTick moment_of_tick = {});
+    /// All arguments outlive the loop; it is the only writer of `log`.
+    HapticLoop(HapticTicks ticks, HapticPort& port, TickLog& log);
     ~HapticLoop();  ///< stops it
     HapticLoop(const HapticLoop&) = delete;
     HapticLoop& operator=(const HapticLoop&) = delete;
@@ -174,7 +170,7 @@ public:
     void end_before(std::int64_t tick) { end_ = tick; }
     /// Sets the clock for detecting gaps, in place of boot_ns: ns, never backward. Before `start`.
     void see_gaps_by(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
-    /// Begins tick 0 now. At least one frame has been published. A loop runs once: the state of its fingers
+    /// Begins tick 0 now. A loop runs once: the state of its fingers
     /// knows nothing of a pause, and the hand would get a force without a ramp. An error on a second start,
     /// and if the machine has no thread left.
     Result<void> start();
@@ -196,14 +192,11 @@ private:
     void run();
     void tick_until_stopped();
     bool tick(std::int64_t tick, double late_us);
-    void look_for_gap();
+    bool finds_gap();
 
-    const Scene& scene_;
-    SurfaceTimeline& timeline_;
-    TouchStep& step_;
+    const HapticTicks ticks_;
     HapticPort& port_;
     TickLog& log_;
-    const MomentOfTick moment_of_tick_;
     std::function<std::int64_t()> clock_ = boot_ns;
     std::int64_t ticked_ns_ = 0;  // time on that clock at the newest tick's beginning
     std::vector<glm::dvec3> newtons_;

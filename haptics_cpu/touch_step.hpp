@@ -13,6 +13,7 @@
 // A force is a pure function of configuration, frames with timestamps, goals and the previous state.
 // Threads: one at a time; a step neither waits nor allocates.
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <span>
@@ -116,6 +117,17 @@ private:
     StaleSurface stale_;
     std::vector<FingerGuard> guards_;
     std::vector<GuardedForce> forces_;
+};
+
+/// What a loop does in a tick: of a TouchRun (engine/run), or a program's own. Called by the haptic thread
+/// only; must not wait.
+struct HapticTicks {
+    std::span<glm::dvec3> goals;   ///< of the next `solve`, one per finger
+    std::span<std::uint8_t> hops;  ///< TouchStep::hops
+    /// The surface of a tick; `after_gap`: the hand was left alone before (TouchStep::come_back).
+    std::function<HeightField(std::int64_t tick, bool after_gap)> meet;
+    /// The results of the tick that was met; spans are valid until the next call.
+    std::function<TouchTick()> solve;
 };
 
 /// XXH64 (seed 0) over guarded forces as little-endian doubles fx, fy, fz (newtons, world axes), -0 written

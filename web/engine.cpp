@@ -20,15 +20,13 @@
 #include "engine/formats/depth_values.hpp"
 #include "engine/formats/scene_draft.hpp"
 #include "engine/picture/image.hpp"
+#include "engine/run/touch_run.hpp"
 #include "engine/scene/plane_memory.hpp"
 #include "engine/surface/depth_estimator.hpp"
-#include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "haptics_cpu/touch_step.hpp"
 #include "player/audio/contact_sound.hpp"
 #include "player/draw/drawn_surface.hpp"
 #include "player/draw/view.hpp"
-#include "player/run/playback.hpp"
 #include "player/window/pointer.hpp"
 
 #define EXPORTED(name) __attribute__((export_name(#name)))
@@ -68,7 +66,7 @@ struct ShownFinger {
 /// What the page sees, as doubles; worker.js has the same list.
 struct Shown {
     double tick, seconds, playing, at_end, loops, rate, force_on, own_view, newtons, rumble_low, rumble_high,
-        late_frames, fingers;
+        fingers;
     double picked = -1, depth_m, stiffness, static_friction, dynamic_friction, height_mm;
     double sound, sound_samples;  // address of the samples, floats, valid until the next look; how many
     double matrix[16];
@@ -98,12 +96,10 @@ public:
         : opened_(std::move(opened)),
           script_(std::move(script)),
           count_(fingers),
-          log_(std::make_shared<PlaybackLog>(std::move(commands), script_.empty() ? room_for_commands : 0)) {
-        read_from({});
-    }
+          log_(std::make_shared<PlaybackLog>(std::move(commands), script_.empty() ? room_for_commands : 0)) {}
     const OpenedClip& opened() const { return opened_; }
 
-    // ---- Frames, as SurfaceFeed of a run reads and publishes them
+    // ---- Frames
 
     /// Makes samples the newest picture of a plane.
     void set_plane(Role role, PlaneView form, std::vector<std::uint8_t> samples) {
@@ -125,43 +121,34 @@ public:
 
     /// The frame that is to be given next; -1: none, or no room for one.
     std::int64_t wanted() {
-        asked_ = std::max(moment_.epoch, place_.epoch);
+        asked_ = std::max(moment_.epoch, surface_.place().epoch);
         return needed();
     }
 
     /// Builds and publishes the frame that was wanted, of the planes that were taken.
     Result<void> give(std::int64_t number) {
         needed();
+        ReadPlace place = surface_.place();
         // A clip that looped meanwhile shows the frame all the same, as the next one may be as late.
-        const bool has_looped = place_.epoch > asked_;
+        const bool has_looped = place.epoch > asked_;
         if (has_looped &&
             (remembers_ || !state_.playing || !state_.loops || moment_.start_ns != state_.loop_begin_ns))
             return {};  // it was sent elsewhere
         RawFrame raw = opened_.raw;
+        raw.epoch = place.epoch;
         raw.number = number;
-        raw.time_ns = opened_.is_live ? std::max(timeline_.newest_time() + 1, tick_ * tick_ns)
+        raw.time_ns = opened_.is_live ? std::max(surface_.timeline().newest_time() + 1, tick_ * tick_ns)
                       : has_looped    ? moment_.time_ns
                                       : scene_.rate.time_ns(number);
-        const auto next =
-            std::max(place_.next_number, 1 + (has_looped ? scene_.rate.frame_at(moment_.time_ns) : number));
-        raw.epoch = place_.epoch;
         raw.storage = std::make_shared<decltype(opened_.samples)>(opened_.samples);
-        if (raw.epoch != timeline_.epoch()) timeline_.begin_epoch(raw.epoch);
-        if (newest_ && newest_->epoch == raw.epoch && same_touch_planes(*newest_, raw)) {
-            TRY_ASSIGN(const bool has_room, timeline_.republish(raw.number, raw.time_ns));
-            is_full_ = !has_room;  // until a tick has passed
-            if (has_room) place_.next_number = next;
-            return {};
-        }
-        SurfaceFrame* const slot = timeline_.acquire();
-        if (!slot) return internal_error("a frame came without room for it");
-        TRY(builder_->build(raw, *slot));
-        place_.next_number = next;
-        if (raw.number < place_.first_shown) return {};
-        TRY(timeline_.publish(raw.number, raw.time_ns));
+        TRY_ASSIGN(const auto published, surface_.give({std::move(raw), number >= place.first_shown}));
+        is_full_ = !published;  // until a tick has passed
+        if (is_full_) return {};
+        place.next_number =
+            std::max(place.next_number, 1 + (has_looped ? scene_.rate.frame_at(moment_.time_ns) : number));
+        surface_.go_to(place);
         // In a loop the hand waits for two frames; a late page has one at a time.
-        if (script_.empty() && (has_looped || next > number + 1)) timeline_.end_epoch();
-        if (!remembers_) newest_ = raw;
+        if (script_.empty() && (has_looped || place.next_number > number + 1)) surface_.timeline().end_epoch();
         return {};
     }
 
@@ -170,7 +157,7 @@ public:
     /// Runs ticks up to this one; one of a script stops before a tick whose frames are missing. Returns how
     /// many.
     Result<int> run(int ticks) {
-        TRY(control_.go_on(&felt_.pair));
+        TRY(control_.go_on(&run_.pair()));
         if (ticks > most_ticks_at_once && script_.empty())
             tick_ += std::exchange(ticks, 1) - 1;  // a gap for the hand
         for (int done = 0; done < ticks; ++done) {
@@ -209,7 +196,7 @@ public:
     }
     void event(const InputEvent& event, double pen, bool turns) {
         if (!hand_) return;
-        const HeightField field(scene_, felt_.pair);
+        const HeightField field = run_.field();
         if (is_touch(event)) {
             using enum TouchInput::Ground;
             const bool meets =
@@ -233,13 +220,12 @@ public:
         shown_ = {};
         shown_.playing = state_.playing && !state_.at_end;
         if (!hand_) return &shown_;
-        const HeightField field(scene_, felt_.pair);
+        const HeightField field = run_.field();
         shown_.tick = static_cast<double>(tick_);
         shown_.seconds = 1e-9 * static_cast<double>(state_.moment.time_ns);
         shown_.at_end = state_.at_end;
         shown_.loops = state_.loops;
         shown_.rate = static_cast<double>(state_.rate) / 1000;
-        shown_.late_frames = static_cast<double>(late_);
         hand_->view.note_middle(field);
         const ViewCamera camera = hand_->camera();
         if (script_.empty()) hand_->fingers.intend(field, camera, felt_.contacts);
@@ -260,12 +246,12 @@ public:
 
     // ---- What is drawn and heard
 
-    std::int64_t shown_number() const { return felt_.pair.nearer().number; }
+    std::int64_t shown_number() const { return run_.pair().nearer().number; }
     /// A picture of the frame nearest in time, row by row, by role: planar depths as floats, 0 where there
     /// are none, haptic samples as they are, or heights of 16 bits. Null: the frame has none.
     const void* drawn(Role role) {
         FramePair one;
-        one.prev = one.next = felt_.pair.nearer();
+        one.prev = one.next = run_.pair().nearer();
         const SurfaceFrame* const frame = one.prev.frame;
         if (!frame) return nullptr;
         if (role == haptic_role) return frame->haptic.empty() ? nullptr : frame->haptic.data();
@@ -274,18 +260,15 @@ public:
         for (float& vertex : drawn_) vertex = vertex > 0 ? 1 / vertex : 0;
         return drawn_.data();
     }
-    std::string hash() const { return hash_.hex(); }
+    std::string hash() const { return run_.hash().hex(); }
 
 private:
     /// The pointer's fingers as a device, what leads them, and what they feel.
     struct Hand {
         const Scene& scene;
         const Workspace workspace;
-        const TouchSolver solver;
-        const GuardSettings guard;
-        const int count;
+        const double most_newtons;
         const glm::dvec3 middle;
-        TouchStep step{solver, guard, count};
         PointerDevice device{pointer_fingers, workspace.to_device(glm::dvec3(0.0))};
         PointerFingers fingers{device, workspace};
         WindowView view{scene, middle};
@@ -298,52 +281,44 @@ private:
 
     /// 0: a live source has none.
     std::int64_t end_ns() const { return opened_.is_live ? 0 : scene_.rate.time_ns(opened_.frames); }
-    void read_from(const MediaMoment& moment) {
-        place_ = first_place(moment.epoch, moment.start_ns, scene_.rate, opened_.frames,
-                             remembers_ ? temporal_warm_up_frames : 0);
-    }
-
     /// As `wanted`. A late page leaves out frames, where none depends on those before.
     std::int64_t needed() {
-        if (moment_.epoch > place_.epoch) read_from(moment_);
-        if (script_.empty() && !opened_.is_live && !remembers_)
-            place_.next_number = std::max(
-                place_.next_number, std::min(scene_.rate.frame_at(moment_.time_ns), opened_.frames - 1));
-        const bool has_ended = place_.next_number >= opened_.frames;
-        if (has_ended && timeline_.epoch() == place_.epoch) timeline_.end_epoch();
-        return has_ended || is_full_ || !timeline_.acquire() ? -1 : place_.next_number;
+        surface_.follow(moment_, opened_.frames);
+        if (script_.empty() && !opened_.is_live && !remembers_) {
+            ReadPlace place = surface_.place();
+            place.next_number = std::max(
+                place.next_number, std::min(scene_.rate.frame_at(moment_.time_ns), opened_.frames - 1));
+            surface_.go_to(place);
+        }
+        const auto next = surface_.wanted(moment_, opened_.frames);
+        return next && !is_full_ ? *next : -1;
     }
 
     /// What a run begins with is known once the first frame is there.
-    Result<void> meet(const FramePair& first) {
-        std::vector<double> depths = valid_depths(scene_, *first.prev.frame);
+    Result<void> meet(const SurfaceFrame& first) {
+        std::vector<double> depths = valid_depths(scene_, first);
         const Workspace workspace = default_workspace(scene_, quantile(depths, 0.5));
         TouchSettings settings;
         settings.metres_per_scene_unit = workspace.metres_per_scene_unit;
         TRY_ASSIGN(const auto solver, TouchSolver::create(scene_, settings));
         GuardSettings guard;
         if (opened_.is_live) guard.stale_after_ns = 250 * tick_ns;
-        const HeightField field(scene_, first);
-        hand_.reset(new Hand{scene_, workspace, solver, guard, count_, subject_of(field).middle});
+        run_.touch(solver, guard, count_);
+        hand_.reset(new Hand{scene_, workspace, guard.max_force, subject_of(run_.field()).middle});
         return hand_->device.open();
     }
 
     Result<bool> run_tick() {
         const std::int64_t tick = tick_ + 1;
-        if (log_->is_open()) log_->take(tick);
-        moment_ = clock_.at(tick);
-        const bool is_late = needed() >= 0 && !(timeline_.epoch() >= moment_.epoch &&
-                                                timeline_.newest_time() > moment_.time_ns);
-        FramePair pair;
-        if (!timeline_.pair_at(moment_, pair) || (is_late && !script_.empty())) return false;
+        moment_ = run_.moment_at(tick);
+        const bool is_late = needed() >= 0 && !surface_.has(moment_);
+        if (!run_.meet(tick) || (is_late && !script_.empty())) return false;
         tick_ = tick;
-        late_ += is_late && !opened_.is_live;
         is_full_ = false;
-        if (!hand_) TRY(meet(pair));
-        state_ = until_end(clock_.state_at(tick), scene_.rate, end_ns());
-        lead(tick, HeightField(scene_, pair));
-        felt_ = hand_->step.run(tick, tick * tick_ns, scene_, pair);
-        for (const GuardedForce& force : felt_.forces) hash_.add(force.force);
+        if (!hand_) TRY(meet(*run_.pair().prev.frame));
+        state_ = until_end(run_.playback(), scene_.rate, end_ns());
+        lead(tick);
+        felt_ = run_.solve();
         if (!script_.empty()) return true;
         const HeardTick heard = heard_contacts_.hear(felt_);
         rumble_ = motors_.next(heard);
@@ -356,8 +331,8 @@ private:
     }
 
     /// The goals of this tick: the script's, whose last ones stay, or those of the pointer's fingers.
-    void lead(std::int64_t tick, const HeightField& field) {
-        const auto goals = hand_->step.goals();
+    void lead(std::int64_t tick) {
+        const auto goals = run_.goals();
         if (!script_.empty()) {
             const std::size_t count = goals.size(), last = script_.size() / count - 1;
             const std::size_t at = std::min(static_cast<std::size_t>(tick), last) * count;
@@ -366,7 +341,7 @@ private:
         }
         hand_->device.read_positions(goals);
         for (glm::dvec3& goal : goals) goal = hand_->workspace.to_scene(goal);
-        hand_->device.keep_clear(field, hand_->workspace, goals);
+        hand_->device.keep_clear(run_.field(), hand_->workspace, goals);
     }
 
     void show_finger(std::size_t k, const HeightField& field, const ViewCamera& camera) {
@@ -383,7 +358,7 @@ private:
             glm::dvec2(camera.project(contact.proxy + force * (metres_per_newton / metres)).value_or(*at));
         finger.newtons = glm::length(force);
         finger.touching = contact.touching;
-        finger.share = finger.newtons / hand_->guard.max_force;
+        finger.share = finger.newtons / hand_->most_newtons;
         finger.depth_mm = 1000 * metres * glm::length(contact.proxy - contact.goal);
         const auto under = PointerFingers::ground_at(field, camera, finger.at);
         if (!contact.touching && under)
@@ -399,7 +374,7 @@ private:
         const auto met = PointerFingers::ground_at(field, camera, at);
         shown_.picked = met ? 1 : 0;
         if (!met) return;
-        const PixelValues values = values_at(field, felt_.pair, met->pixel().x, met->pixel().y);
+        const PixelValues values = values_at(field, run_.pair(), met->pixel().x, met->pixel().y);
         shown_.depth_m = values.z * scene_.metres_per_unit;
         shown_.stiffness = values.properties.stiffness / 1000;
         shown_.static_friction = values.properties.static_friction;
@@ -414,22 +389,18 @@ private:
     const std::vector<glm::dvec3> script_;
     const int count_;
     const std::shared_ptr<PlaybackLog> log_;
-    PlaybackClock clock_{scene_.rate, log_};
     PlaybackState state_;
     PlaybackControl control_{scene_.rate, opened_.frames, [this] { return state_; },
                              [this](auto... command) { return log_->ask(command...); }};
     MediaMoment moment_;  // of the next tick
-    SurfaceTimeline timeline_{4};
-    const std::unique_ptr<SurfaceBuilder> builder_ = opened_.error_bars_to > 0
-                                                         ? with_error_bars(make_cpu_builder(scene_), scene_)
-                                                         : make_cpu_builder(scene_);
+    SurfaceQueue surface_{scene_, opened_.error_bars_to > 0
+                                      ? with_error_bars(make_cpu_builder(scene_), scene_)
+                                      : make_cpu_builder(scene_)};
+    TouchRun run_{surface_, log_};
     const bool remembers_ = FilterPlan(scene_).remembers();
     bool is_full_ = false;
-    ReadPlace place_;
     std::uint64_t asked_ = 0;  // the epoch when a frame was wanted
-    std::optional<RawFrame> newest_;
-    std::int64_t tick_ = -1, late_ = 0;
-    ForceHash hash_;
+    std::int64_t tick_ = -1;
     std::unique_ptr<Hand> hand_;  // once the first frame is there
     TouchTick felt_;
     HeardContacts heard_contacts_{scene_.width};

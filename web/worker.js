@@ -10,7 +10,7 @@ const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_releas
   'left_window', 'touch_began', 'touch_moved', 'touch_ended'];
 // Members of Shown in engine.cpp, in this order, and of ShownFinger those behind its places.
 const members = ['tick', 'time', 'playing', 'at_end', 'loops', 'speed', 'force_on', 'own_view', 'newtons', 'rumble_low',
-  'rumble_high', 'late_frames', 'fingers'];
+  'rumble_high', 'fingers'];
 const pick_members = ['valid', 'depth_m', 'stiffness', 'friction_static', 'friction_dynamic', 'height_mm'];
 const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction', 'error_degrees'];
 let read_size, engine, clip, session, pressed = false, stands_still = false, build_ms = 0, decode_ms = 0, seen_matrix;

@@ -10,6 +10,7 @@
 #include "bench/clocks.hpp"
 #include "bench/gpu/frames_in_turn.hpp"
 #include "engine/base/try.hpp"
+#include "engine/run/touch_run.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 

@@ -48,7 +48,7 @@ Result<void> measure_live(const LiveClip& clip, LiveClips& clips, Figures& figur
     const auto hand = make_port(*s.hand);
     TouchSessionSettings settings = s.options;
     settings.ticks = s.ticks();
-    LiveSession session(s.scene, *s.feed, *hand, *s.solver, settings);
+    LiveSession session(*s.feed, *hand, *s.solver, settings);
     const std::int64_t wall = monotonic_ns(), cpu = process_cpu_ns();
     if (auto ran = session.run(sinks); !ran) return ran;
     const auto wall_ns = static_cast<double>(monotonic_ns() - wall);

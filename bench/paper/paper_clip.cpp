@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "bench/paper/chest_scene.hpp"
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "engine/base/try.hpp"
 
 namespace touchable {

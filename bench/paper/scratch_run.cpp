@@ -8,7 +8,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/touch/force_spectrum.hpp"
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "engine/base/hand_thresholds.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"

@@ -10,7 +10,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/tick_times.hpp"
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "engine/base/try.hpp"
 #include "haptics_cpu/touch_step.hpp"
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "device/hand_parts.hpp"
 #include "engine/base/hand_thresholds.hpp"
 #include "engine/base/try.hpp"

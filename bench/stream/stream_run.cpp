@@ -80,7 +80,7 @@ Result<void> measure_touch(TouchSetup& setup, Figures& figures) {
     const auto hand = make_port(*setup.hand);
     TouchSessionSettings settings = setup.options;
     settings.ticks = setup.ticks();
-    LiveSession session(setup.scene, *setup.feed, *hand, *setup.solver, settings);
+    LiveSession session(*setup.feed, *hand, *setup.solver, settings);
     const std::int64_t cpu = process_cpu_ns();
     if (auto ran = session.run(sinks); !ran) return ran;
     const auto cpu_ns = static_cast<double>(process_cpu_ns() - cpu);

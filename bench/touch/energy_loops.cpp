@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "bench/touch/globe_run.hpp"
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "engine/base/same_bits.hpp"
 #include "engine/content/families.hpp"
 
@@ -66,7 +66,7 @@ struct Work {
     double bound = 0;
 };
 
-Work work_of(TouchRun& touch) {
+Work work_of(SolverTicks& touch) {
     touch.restart();
     Work work;
     Contact last;
@@ -99,7 +99,7 @@ Result<void> measure_energy(const TouchSurface& surface, const GlobeRun& run, Fi
             for (std::size_t speed = 0; speed < held.size(); ++speed) {
                 const double step = speed == 0 ? run.loop_step_mm : faster_steps[speed - 1];
                 auto made =
-                    TouchRun::create(surface, c, surface.scene().default_properties, loop.goals(step, way));
+                    SolverTicks::create(surface, c, surface.scene().default_properties, loop.goals(step, way));
                 if (!made) return made.error();
                 const Work work = work_of(**made);
                 if (speed == 0) created[way] = work.created;

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "tests/content/exact_touch.hpp"
 
 namespace touchable {
@@ -29,9 +29,9 @@ Result<void> measure_following(const TouchSurface& surface, const FollowingRun& 
     const std::vector<ReliefStroke::Goal> stroke = stroke_of(run);
     std::vector<glm::dvec3> goals;
     for (const auto& step : stroke) goals.push_back(step.goal);
-    auto made = TouchRun::create(surface, run.setup, smooth, goals);
+    auto made = SolverTicks::create(surface, run.setup, smooth, goals);
     if (!made) return made.error();
-    TouchRun& touch = **made;
+    SolverTicks& touch = **made;
 
     int under = 0, off = 0, lost = 0;
     double farthest = 0, squared = 0, largest_step = 0;

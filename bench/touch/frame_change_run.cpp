@@ -6,7 +6,7 @@
 
 #include "bench/clocks.hpp"
 #include "bench/touch/timing_run.hpp"
-#include "haptics_cpu/touch_solver.hpp"
+#include "engine/run/touch_run.hpp"
 
 namespace touchable {
 namespace {

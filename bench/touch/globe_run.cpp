@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "engine/base/same_bits.hpp"
 #include "tests/content/exact_touch.hpp"
 
@@ -72,9 +72,9 @@ Result<void> measure_globe(const TouchSurface& surface, const GlobeRun& run, Fig
     std::vector<glm::dvec3> goals;
     for (int k = 0; k < GlobeStroke::approach_ticks + GlobeStroke::stroke_ticks; ++k)
         goals.push_back(stroke.at(k).goal);
-    auto made = TouchRun::create(surface, c, surface.scene().default_properties, std::move(goals));
+    auto made = SolverTicks::create(surface, c, surface.scene().default_properties, std::move(goals));
     if (!made) return made.error();
-    TouchRun& touch = **made;
+    SolverTicks& touch = **made;
 
     const auto counts = verify(touch);
     if (!counts) return counts.error();

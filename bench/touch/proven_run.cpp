@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "bench/clocks.hpp"
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "tests/content/exact_touch.hpp"
 #include "tests/reference/solver.hpp"
 
@@ -86,9 +86,9 @@ private:
 }  // namespace
 
 Result<void> measure_proof(const TouchSurface& surface, const ProvenRun& run, Figures& figures) {
-    auto made = TouchRun::create(surface, run.setup, frictionless, goals_of(run));
+    auto made = SolverTicks::create(surface, run.setup, frictionless, goals_of(run));
     if (!made) return made.error();
-    TouchRun& touch = **made;
+    SolverTicks& touch = **made;
     Proof proof;
     for (int k = 0; k < touch.ticks(); ++k) {
         const Proxy before = touch.finger().proxy;

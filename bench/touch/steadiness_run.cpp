@@ -10,7 +10,7 @@
 
 #include "bench/touch/force_spectrum.hpp"
 #include "bench/touch/noisy_scene.hpp"
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "engine/base/hand_thresholds.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "haptics_cpu/touch_solver.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/touch/timing_run.hpp"
 
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "tests/content/exact_touch.hpp"
 
 namespace touchable {
@@ -25,9 +25,9 @@ std::vector<glm::dvec3> timing_goals(const TouchCase& c, int ticks) {
 }
 
 Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, Figures& figures) {
-    auto made = TouchRun::create(surface, run.setup, timing_grip, timing_goals(run.setup, run.ticks));
+    auto made = SolverTicks::create(surface, run.setup, timing_grip, timing_goals(run.setup, run.ticks));
     if (!made) return made.error();
-    TouchRun& hot = **made;
+    SolverTicks& hot = **made;
     const auto counts = verify(hot);
     if (!counts) return counts.error();
 
@@ -39,7 +39,7 @@ Result<void> measure_timing(const TouchSurface& surface, const TimingRun& run, F
     add_figures(*counts, times.mean_us, figures);
     if (run.paced_ticks == 0) return {};
 
-    auto paced = TouchRun::create(surface, run.setup, timing_grip, timing_goals(run.setup, run.paced_ticks));
+    auto paced = SolverTicks::create(surface, run.setup, timing_grip, timing_goals(run.setup, run.paced_ticks));
     if (!paced) return paced.error();
     add_figures(time_paced(**paced), "_paced", figures);
     return {};

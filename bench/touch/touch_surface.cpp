@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 #include "engine/surface/surface_builder.hpp"
 
 namespace touchable {

@@ -347,7 +347,7 @@ Result<Stroke> stroke(std::unique_ptr<ClipReader> reader, const Stroke* before =
     ForcesInHand forces;
     Progress progress("tick", standard_stroke_ticks);
     std::array<TouchSink*, 2> sinks{&forces, &progress};
-    TRY(TouchSession(scene, feed, *hand, solver, settings).run(sinks));
+    TRY(TouchSession(feed, *hand, solver, settings).run(sinks));
     return Stroke{std::move(forces.table), workspace.metres_per_scene_unit};
 }
 

@@ -207,13 +207,16 @@ Result<void> measure_frames(TouchSetup& setup, int frames, TrialFigures& figures
 /// Runs between the last two frames, so that nothing is decoded.
 Result<void> measure_ticks(TouchSetup& setup, int frames, TrialFigures& figures) {
     setup.options.ticks = trial_ticks;
-    setup.options.pair_of_tick = [&setup, frames](std::int64_t tick) {
-        return setup.feed->pair_of(frames - 2, frames - 1, static_cast<double>(tick) / trial_ticks);
+    setup.options.given_tick = [&setup,
+                                frames](std::int64_t tick) -> Result<TouchSessionSettings::GivenTick> {
+        TRY_ASSIGN(const auto pair, setup.feed->pair_of(frames - 2, frames - 1,
+                                                        static_cast<double>(tick) / trial_ticks));
+        return {{tick * tick_ns, pair}};
     };
     TouchFigures taken;
     TouchSink* const sinks[] = {&taken};
     const double cpu_before = cpu_ms();
-    TRY(TouchSession(setup.scene, *setup.feed, *setup.hand, *setup.solver, setup.options).run(sinks));
+    TRY(TouchSession(*setup.feed, *setup.hand, *setup.solver, setup.options).run(sinks));
     figures.ticks = static_cast<int>(taken.ticks());
     figures.tick_cpu_us = us_per_ms * (cpu_ms() - cpu_before) / figures.ticks;
     figures.tick_us = taken.tick_us();

@@ -24,36 +24,14 @@ namespace {
 constexpr std::size_t trail_ticks = 500;
 constexpr std::size_t trail_step = 4;  // ticks between two drawn points
 
-/// A frame of the clip, read and built again for the picture.
-struct FrameAgain {
-    RawFrame raw;
-    SurfaceFrame surface;
-};
-
-/// The first frame to read for frame `number` of an epoch: itself, or with a temporal filter the epoch's
-/// first warm-up frame.
-std::int64_t first_read(const TouchSetup& setup, std::uint64_t epoch, std::int64_t number) {
-    if (!setup.scene.filter.temporal) return number;
+/// Where frame `number` of an epoch is read from: there, or with a temporal filter where its epoch begins.
+std::int64_t read_from_ns(const TouchSetup& setup, std::uint64_t epoch, std::int64_t number) {
+    if (!setup.scene.filter.temporal) return setup.scene.rate.time_ns(number);
     PlaybackClock clock(setup.scene.rate, setup.options.playback);
     std::int64_t start_ns = 0;
     for (auto next = clock.next_epoch(); next && next->number <= epoch; next = clock.next_epoch())
         start_ns = next->start_ns;
-    if (epoch == 0) return 0;
-    const std::int64_t first = std::min(setup.scene.rate.frame_at(start_ns), number);
-    return std::max<std::int64_t>(0, first - setup.warm_up_frames);
-}
-
-/// Reads on to frame `number` and builds it; also builds the earlier frames accepted by `is_part`.
-Result<void> read_frame(ClipReader& reader, SurfaceBuilder& builder, std::int64_t number,
-                        const std::function<bool(std::int64_t)>& is_part, FrameAgain& frame) {
-    for (;;) {
-        TRY_ASSIGN(auto raw, reader.next());
-        if (!raw) return input_error("the clip ends before frame " + std::to_string(number) + " this time");
-        const bool wanted = raw->number == number;
-        if (!wanted && !is_part(raw->number)) continue;
-        frame.raw = *raw;
-        if (auto built = builder.build(frame.raw, frame.surface); wanted || !built) return built;
-    }
+    return start_ns;
 }
 
 using MaybePath = std::optional<std::filesystem::path>;
@@ -146,24 +124,17 @@ public:
         const bool on_gpu = setup.feed->builder_name() == "vulkan";
         BuilderChoice choice = on_gpu ? setup.options.builder : BuilderChoice{};
         choice.error_bars = order_.show == Overlay::errors;
-        TRY_ASSIGN(const auto builder, make_builder(choice, setup.scene, *setup.options.gpu));
-        const std::int64_t first = first_read(setup, moment_->epoch, moment_->frame_prev);
-        TRY(reader->seek(first));
-        FrameAgain prev, next;
-        const auto is_part = [&](std::int64_t number) {
-            return setup.scene.filter.temporal && !setup.feed->has_dropped(moment_->epoch, number);
-        };
-        TRY(read_frame(*reader, *builder, moment_->frame_prev, is_part, prev));
-        const bool between = moment_->frame_next != moment_->frame_prev;
-        if (between) TRY(read_frame(*reader, *builder, moment_->frame_next, is_part, next));
-
-        FramePair pair;
-        pair.prev = {moment_->frame_prev, 0, &prev.surface};
-        pair.next = {moment_->frame_next, 0, between ? &next.surface : &prev.surface};
-        pair.blend = moment_->blend;
+        TRY_ASSIGN(auto builder, make_builder(choice, setup.scene, *setup.options.gpu));
+        SurfaceFeed feed(std::move(reader), std::move(builder), setup.scene, setup.warm_up_frames,
+                         SurfaceTimeline::Eye::one);
+        feed.leave_out(setup.feed->dropped());
+        TRY(feed.read_from(moment_->epoch, read_from_ns(setup, moment_->epoch, moment_->frame_prev)));
+        TRY_ASSIGN(const FramePair pair, feed.pair_of(moment_->frame_prev, moment_->frame_next,
+                                                      moment_->blend, moment_->epoch));
         const HeightField field(setup.scene, pair);
-        const RawFrame& nearer = field.blend() >= 0.5 ? next.raw : prev.raw;
-        TRY(order_.deliver(field, pair, nearer.colour, fingers_on(field)));
+        const TimedFrame& nearer = field.blend() >= 0.5 ? pair.next : pair.prev;
+        const auto stored = feed.stored_planes(pair.epoch, nearer.number);
+        TRY(order_.deliver(field, pair, stored ? stored->colour : PlaneView(), fingers_on(field)));
         const std::string gpu = order_.painter->gpu_name();
         line_ = "picture: " + one_line(order_.file->target().string()) + " by the " +
                 std::string(order_.painter->name()) + " painter" + (gpu.empty() ? "" : " on " + gpu) +
@@ -406,7 +377,7 @@ Result<LiveFacts> run_live(TouchSetup& s, std::span<TouchSink* const> sinks, con
     settings.on_status = [&line](const TouchSessionSettings::LiveStatus& status) { line.show(status); };
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&line);
-    LiveSession session(s.scene, *s.feed, *port, *s.solver, settings);
+    LiveSession session(*s.feed, *port, *s.solver, settings);
     const auto ran = session.run(all);
     LiveFacts facts = session.facts();
     if (facts.sinks_fell_behind) return fell_behind(facts.loop.lost);
@@ -421,7 +392,7 @@ Result<LiveFacts> run_session(TouchSetup& s, bool live, std::span<TouchSink* con
     Progress progress("tick", s.ticks().value_or(0));
     std::vector<TouchSink*> all(sinks.begin(), sinks.end());
     all.push_back(&progress);
-    TRY(TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.options).run(all));
+    TRY(TouchSession(*s.feed, *s.hand, *s.solver, s.options).run(all));
     return LiveFacts{};
 }
 

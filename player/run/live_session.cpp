@@ -38,14 +38,6 @@ private:
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
-/// Whether a frame published now was needed earlier: with `hold` from its own time on, with `linear` as soon
-/// as the surface leaves the previous frame.
-bool comes_late(const RawFrame& raw, const Scene& scene, const MediaMoment& now) {
-    if (raw.epoch != now.epoch) return raw.epoch < now.epoch;
-    if (scene.interpolation == FrameInterpolation::hold) return now.time_ns >= raw.time_ns;
-    return now.time_ns > scene.rate.time_ns(raw.number - 1);
-}
-
 /// Starts a live source's clock with the hand's, so that no frame arrives before its exposure time.
 Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads& threads) {
     while (!loop.zero() && loop.running()) std::this_thread::sleep_for(sink_pause);
@@ -56,24 +48,20 @@ Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads
 
 }  // namespace
 
-LiveSession::LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
+LiveSession::LiveSession(SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
                          const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log)
-    : scene_(scene),
-      feed_(feed),
+    : feed_(feed),
       port_(port),
       settings_(settings),
-      log_(log ? std::move(log) : std::make_shared<PlaybackLog>(settings.playback)),
-      step_(solver, settings.guard, settings.fingers),
-      clock_(scene.rate, log_) {
-    board_.set(clock_.state_at(0));
-}
+      run_(feed.queue(), log ? std::move(log) : std::make_shared<PlaybackLog>(settings.playback), solver,
+           settings.guard, settings.fingers) {}
 
 bool LiveSession::is_over(const HapticLoop& loop, const std::optional<MediaMoment>& end) const {
     if (settings_.ticks) return loop.time_ns() >= (*settings_.ticks - 1) * tick_ns;
-    if (log_->is_open()) return false;
-    const std::size_t commands = log_->size();
-    if (commands > 0 && loop.time_ns() / tick_ns < (*log_)[commands - 1].tick) return false;
-    const MediaMoment now = board_.moment();
+    if (run_.log().is_open()) return false;
+    const std::size_t commands = run_.log().size();
+    if (commands > 0 && loop.time_ns() / tick_ns < run_.log()[commands - 1].tick) return false;
+    const MediaMoment now = run_.playback().moment;
     return end && now.epoch == end->epoch && now.time_ns + tick_ns >= end->time_ns &&
            loop.time_ns() + tick_ns >= shortest_run_ns;
 }
@@ -83,7 +71,7 @@ bool LiveSession::outlasts(const FeedThreads& threads) {
     if (clip_failure_) return true;
     auto failed = threads.error();
     if (!failed) return true;
-    if (!log_->is_open()) return false;
+    if (!run_.log().is_open()) return false;
     const std::lock_guard lock(failure_mutex_);
     clip_failure_ = std::move(failed);
     return true;
@@ -105,24 +93,19 @@ void LiveSession::set_loop(HapticLoop* loop) {
 Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     if (stop_requested()) return interrupted_error();
     TickLog log(log_ticks, settings_.fingers);
-    clock_.at(0);
+    const Scene& scene = feed_.queue().scene();
     const bool live_source = feed_.reader().is_live();
     CameraFigures camera(feed_.reader(), feed_.frames());
     FeedThreads threads(
         feed_,
         [&](const RawFrame& raw) {
-            const MediaMoment now = board_.moment();
+            const MediaMoment now = run_.playback().moment;
             // A command's target moment was unknown before, so its first frames are never late.
-            const bool begins = log_->is_open() && raw.number <= scene_.rate.frame_at(now.start_ns) + 1;
-            return !live_source && !begins && comes_late(raw, scene_, now);
+            const bool begins = run_.log().is_open() && raw.number <= scene.rate.frame_at(now.start_ns) + 1;
+            return !live_source && !begins && comes_late(raw, scene, now);
         },
-        clock_, [this] { return board_.moment(); });
-    HapticLoop loop(scene_, feed_.timeline(), step_, port_, log, [&](std::int64_t tick) {
-        log_->take(tick);
-        const PlaybackState now = clock_.state_at(tick);
-        board_.set(now);
-        return now.moment;
-    });
+        run_.clock(), [this] { return run_.playback().moment; });
+    HapticLoop loop(run_.ticks(), port_, log);
 
     const struct Known {
         Known(LiveSession& of, HapticLoop& loop) : session(of) { session.set_loop(&loop); }
@@ -155,19 +138,19 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
     }
     TRY(loop.start());
     if (live_source) TRY(begin_source(loop, feed_, threads));
-    std::size_t commands = log_->size();
+    std::size_t commands = run_.log().size();
     while (loop.running() && taken && outlasts(threads) && !is_asked_to_stop()) {
         const auto end = threads.end();
         if (end) clip_end_ns_.store(end->time_ns, std::memory_order_relaxed);
         if (is_over(loop, end) || (settings_.hand_is_over && settings_.hand_is_over())) break;
-        if (const std::size_t there = log_->size(); there > std::exchange(commands, there))
+        if (const std::size_t there = run_.log().size(); there > std::exchange(commands, there))
             threads.look_at_commands();
         drain();
         late_frames_.store(threads.late_frames(), std::memory_order_relaxed);
         // With an open log a window shows these figures.
         if (settings_.on_status && live_source)
             settings_.on_status({true, camera.frames_shown(), end.has_value()});
-        else if (settings_.on_status && !log_->is_open())
+        else if (settings_.on_status && !run_.log().is_open())
             settings_.on_status({false, threads.late_frames(), end.has_value()});
         std::this_thread::sleep_for(sink_pause);
     }
@@ -183,25 +166,20 @@ Result<void> LiveSession::run(std::span<TouchSink* const> sinks) {
 Result<void> LiveSession::run_tick(std::span<TouchSink* const> sinks) {
     if (stop_requested()) return interrupted_error();
     const std::int64_t tick = next_tick_++;
-    log_->take(tick);
-    const PlaybackState now = clock_.state_at(tick);
-    FramePair pair;
-    if (auto found = clip_failure_ ? Result<FramePair>(*clip_failure_) : feed_.pair_at(now.moment)) {
-        pair = *found;
-    } else if (found.error().kind == ErrorKind::interrupted || !log_->is_open() ||
-               !feed_.timeline().pair_at(now.moment, pair)) {
-        return found.error();
-    } else if (!clip_failure_) {  // the hand outlasts the clip
-        const std::lock_guard lock(failure_mutex_);
-        facts_.failure = clip_failure_ = found.error();
+    const auto fed = clip_failure_ ? Result<void>(*clip_failure_) : feed_.feed_to(run_.moment_at(tick));
+    const bool met = run_.meet(tick);
+    if (!fed) {
+        if (fed.error().kind == ErrorKind::interrupted || !run_.log().is_open() || !met) return fed;
+        const std::lock_guard lock(failure_mutex_);  // the hand outlasts the clip
+        if (!clip_failure_) facts_.failure = clip_failure_ = fed.error();
+    } else if (!met) {
+        return input_error("the clip has no frames; there is nothing to touch");
     }
-    board_.set(now);
     if (feed_.ended()) clip_end_ns_.store(feed_.end_ns(), std::memory_order_relaxed);
-    feed_.timeline().show(tick);
-    const HeightField field(scene_, pair);
-    if (!port_.read_goals(tick, field, step_.goals())) return device_error("the fingers have no places");
-    for (std::size_t k = 0; k < step_.hops().size(); ++k) step_.hops()[k] = port_.hops(k);
-    const TouchTick done = step_.run(tick, tick * tick_ns, scene_, pair);
+    if (!port_.read_goals(tick, run_.field(), run_.goals()))
+        return device_error("the fingers have no places");
+    for (std::size_t k = 0; k < run_.hops().size(); ++k) run_.hops()[k] = port_.hops(k);
+    const TouchTick done = run_.solve();
     for (TouchSink* const sink : sinks) TRY(sink->consume(done));
     return {};
 }

@@ -4,7 +4,7 @@
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/run/playback.hpp"
+#include "player/run/run_files.hpp"
 
 namespace touchable {
 namespace {

@@ -32,7 +32,6 @@
 #include "engine/base/result.hpp"
 #include "engine/base/same_bits.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
-#include "player/run/playback.hpp"
 #include "player/run/touch_session.hpp"
 
 namespace touchable {
@@ -447,5 +446,19 @@ struct ForceComparison {
 
 /// Refuses (ErrorKind::usage) runs with different numbers of fingers or without a common goal.
 Result<ForceComparison> compare_forces(const ForceTable& a, const ForceTable& b);
+
+// ---- Commands to a clip's clock, as text
+
+/// Reads commands to the clip's clock, one per line: "SECONDS play", "pause", "rate X", "seek SECONDS",
+/// "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/touch.md). Empty lines and
+/// text after '#' are ignored. Anything else is refused (ErrorKind::input) with `name` and the line.
+Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name);
+/// As parse_playback, from a file.
+Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file);
+
+/// The commands as parse_playback's lines, joined by ", ".
+std::string in_words(const std::vector<PlaybackCommand>& commands);
+/// The settings that may have given these commands.
+Hints settings_of(const std::vector<PlaybackCommand>& commands);
 
 }  // namespace touchable

@@ -131,25 +131,21 @@ private:
 SurfaceFeed::SurfaceFeed(std::unique_ptr<ClipReader> reader, std::unique_ptr<SurfaceBuilder> builder,
                          const Scene& scene, int warm_up_frames, SurfaceTimeline::Eye eye)
     : reader_(std::move(reader)),
-      builder_(std::move(builder)),
       rate_(scene.rate),
       stored_(scene.depth),
-      warm_up_frames_(warm_up_frames),
-      settles_(FilterPlan(scene).remembers()),
-      timeline_(eye == SurfaceTimeline::Eye::none ? 4 : 6, eye),
+      queue_(scene, std::move(builder), warm_up_frames, eye),
       watched_(eye == SurfaceTimeline::Eye::none ? nullptr : std::make_unique<Watched>()) {
-    figures_.builder = builder_->name();
+    figures_.builder = builder_name();
 }
 
 SurfaceFeed::~SurfaceFeed() = default;
 
 Result<void> SurfaceFeed::read_from(std::uint64_t epoch, std::int64_t start_ns) {
-    return go_back(
-        first_place(epoch, start_ns, rate_, reader_->frame_count(), settles_ ? warm_up_frames_ : 0));
+    return go_back(queue_.first_place(epoch, start_ns, reader_->frame_count()));
 }
 
 Result<void> SurfaceFeed::go_back(const ReadPlace& place) {
-    place_ = place;
+    queue_.go_to(place);
     const auto never_was = [&place](const FrameRun& frames) {
         return frames.epoch > place.epoch ||
                (frames.epoch == place.epoch && frames.first >= place.next_number);
@@ -164,16 +160,13 @@ Result<void> SurfaceFeed::go_back(const ReadPlace& place) {
 
 Result<void> SurfaceFeed::catch_up(const MediaMoment& now) {
     constexpr std::int64_t oldest = 2;  // frames behind the moment
-    if (!place_.is_of(now) || reader_->is_live()) return {};
+    const ReadPlace place = queue_.place();
+    if (!place.is_of(now) || reader_->is_live()) return {};
     std::int64_t due = rate_.frame_at(now.time_ns);
     if (const auto count = reader_->frame_count(); count && *count > 0) due = std::min(due, *count - 1);
-    if (place_.next_number < place_.first_shown || place_.next_number + oldest > due) return {};
+    if (place.next_number < place.first_shown || place.next_number + oldest > due) return {};
     const std::int64_t there = reader_->access_point(due);
-    return there > place_.next_number ? reader_->seek(there) : Result<void>{};
-}
-
-bool SurfaceFeed::has_dropped(std::uint64_t epoch, std::int64_t number) const {
-    return has(dropped_, epoch, number);
+    return there > place.next_number ? reader_->seek(there) : Result<void>{};
 }
 
 std::int64_t SurfaceFeed::dropped_frames() const {
@@ -185,18 +178,14 @@ std::int64_t SurfaceFeed::dropped_frames() const {
 Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
     const auto start = std::chrono::steady_clock::now();
     auto raw = reader_->next();
-    while (raw && *raw && has(left_out_, place_.epoch, (*raw)->number)) raw = reader_->next();
+    while (raw && *raw && has(left_out_, place().epoch, (*raw)->number)) raw = reader_->next();
     if (!raw) return raw.error();
     if (!*raw) return std::optional<FedFrame>();
     const double took_ms = milliseconds_since(start);
     read_ms_.add(took_ms);
-    FedFrame frame{std::move(**raw)};
-    frame.raw.epoch = place_.epoch;
-    const std::int64_t number = frame.raw.number;
-    const std::int64_t dropped = std::max<std::int64_t>(number - place_.next_number, 0);
+    const std::int64_t dropped = std::max<std::int64_t>((*raw)->number - place().next_number, 0);
     if (dropped > 0) note_dropped(dropped);
-    place_.next_number = number + 1;
-    frame.shown = number >= place_.first_shown;
+    FedFrame frame = queue_.taken(std::move(**raw));
     const std::lock_guard lock(figures_mutex_);
     figures_.read_ms = took_ms;
     figures_.dropped += dropped;
@@ -206,10 +195,10 @@ Result<std::optional<FedFrame>> SurfaceFeed::read_next() {
 /// When the run is not recorded, only a count is kept, except for the epochs that reading may go back to.
 void SurfaceFeed::note_dropped(std::int64_t frames) {
     constexpr std::uint64_t epochs_ahead = 16;  // more than can be read before the hand reaches the first
-    dropped_.push_back({place_.next_number, frames, place_.epoch});
+    dropped_.push_back({place().next_number, frames, place().epoch});
     if (hashed_) return;
     std::erase_if(dropped_, [this](const FrameRun& old) {
-        if (old.epoch + epochs_ahead >= place_.epoch) return false;
+        if (old.epoch + epochs_ahead >= place().epoch) return false;
         dropped_long_ago_ += old.count;
         return true;
     });
@@ -223,57 +212,28 @@ void SurfaceFeed::note_built(const RawFrame& raw) {
     ++built_.back().count;
 }
 
-/// A temporal filter makes another surface even of equal frames, so with one no frame counts as unchanged.
-bool SurfaceFeed::is_unchanged(const std::optional<RawFrame>& before, const RawFrame& raw) const {
-    if (settles_ || !before || before->epoch != raw.epoch || !same_touch_planes(*before, raw)) return false;
-    return before->filled == raw.filled || (before->filled && raw.filled && *before->filled == *raw.filled);
-}
-
-void SurfaceFeed::note_newest(std::optional<RawFrame>& newest, const RawFrame& raw) const {
-    if (!settles_ && raw.storage)
-        newest = raw;
-    else
-        newest.reset();
-}
-
 Result<bool> SurfaceFeed::publish(const FedFrame& frame) {
-    return publish(frame, is_unchanged(newest_, frame.raw), std::nullopt);
+    const auto start = std::chrono::steady_clock::now();
+    if (frame.shown && watched_) watched_->keep(frame.raw);
+    TRY_ASSIGN(const auto published, queue_.give(frame));
+    if (published) note_published(*published, milliseconds_since(start));
+    return published.has_value();
 }
 
-Result<bool> SurfaceFeed::publish(const FedFrame& frame, bool unchanged, std::optional<double> began_ms) {
-    const RawFrame& raw = frame.raw;
-    const auto start = std::chrono::steady_clock::now();
-    if (raw.epoch != timeline_.epoch()) timeline_.begin_epoch(raw.epoch);
-    if (frame.shown && watched_) watched_->keep(raw);
-    const auto done =
-        unchanged ? timeline_.republish(raw.number, raw.time_ns) : build(frame, began_ms.has_value());
-    if (!done || !*done) return done;
-    const double took_ms = began_ms.value_or(0) + milliseconds_since(start);
+void SurfaceFeed::note_published(const SurfaceQueue::Published& published, double took_ms) {
+    const RawFrame& raw = published.fed.raw;
     build_ms_.add(took_ms);
     note_built(raw);
-    if (!frame.shown) return true;
+    if (!published.fed.shown) return;
     any_valid_ = any_valid_ || has_valid_pixel(raw.depth, stored_);
     newest_number_ = raw.number;
     ++frames_;
-    skipped_frames_ += unchanged ? 1 : 1 - builder_->built_share();
+    skipped_frames_ += published.unchanged ? 1 : 1 - queue_.builder().built_share();
     if (watched_) watched_->look(raw, stored_);
     const std::lock_guard lock(figures_mutex_);
-    figures_.builder = builder_->name();
+    figures_.builder = queue_.builder().name();
     figures_.frames = frames_;
     figures_.build_ms = took_ms;
-    return true;
-}
-
-/// A frame that is not shown stays in the writer's slot; the next frame overwrites it.
-Result<bool> SurfaceFeed::build(const FedFrame& frame, bool begun) {
-    const RawFrame& raw = frame.raw;
-    SurfaceFrame* slot = timeline_.acquire();
-    if (!slot) return false;
-    TRY(begun ? builder_->finish(*slot) : builder_->build(raw, *slot));
-    if (!frame.shown) return true;
-    TRY(timeline_.publish(raw.number, raw.time_ns));
-    note_newest(newest_, raw);
-    return true;
 }
 
 std::set<std::int64_t> SurfaceFeed::cuts() const {
@@ -292,74 +252,62 @@ FeedFigures SurfaceFeed::figures() const {
 /// Reads and begins as many frames as the builder processes in parallel. A frame whose planes are valid only
 /// until the next read must be finished first.
 void SurfaceFeed::begin_ahead() {
-    const std::size_t most = works_ahead_ ? static_cast<std::size_t>(builder_->frames_in_flight()) : 1;
-    while (!all_read_ && ahead_.size() < most && (ahead_.empty() || ahead_.back().fed.raw.storage)) {
+    const std::size_t most =
+        works_ahead_ ? static_cast<std::size_t>(queue_.builder().frames_in_flight()) : 1;
+    while (!all_read_ && queue_.begun() < most && (queue_.begun() == 0 || may_begin_another_)) {
         auto frame = read_next();
         all_read_ = !frame || !*frame;
         if (!frame) unread_ = frame.error();
         if (all_read_) return;
-        const RawFrame& raw = (*frame)->raw;
-        const bool unchanged = is_unchanged(newest_ahead_, raw);
         const auto start = std::chrono::steady_clock::now();
-        if (!unchanged) {
-            if (auto begun = builder_->begin(raw); !begun) {
-                unread_ = begun.error();
-                all_read_ = true;
-                return;
-            }
-            if ((*frame)->shown) note_newest(newest_ahead_, raw);
+        may_begin_another_ = (*frame)->raw.storage != nullptr;
+        if ((*frame)->shown && watched_) watched_->keep((*frame)->raw);
+        if (auto begun = queue_.begin(std::move(**frame)); !begun) {
+            unread_ = begun.error();
+            all_read_ = true;
+            return;
         }
-        ahead_.push_back({std::move(**frame), unchanged, milliseconds_since(start)});
+        begin_ms_ += milliseconds_since(start);
     }
-}
-
-/// Discards frames begun before a new epoch: finishes each in a slot that the next frame overwrites.
-Result<void> SurfaceFeed::forget_ahead() {
-    for (; !ahead_.empty(); ahead_.pop_front()) {
-        if (ahead_.front().unchanged) continue;
-        SurfaceFrame* slot = timeline_.acquire();
-        assert(slot && "the reader of virtual time never holds more than two pairs");
-        TRY(builder_->finish(*slot));
-    }
-    newest_ahead_.reset();
-    all_read_ = false;
-    unread_.reset();
-    return {};
 }
 
 Result<void> SurfaceFeed::feed_next() {
     begin_ahead();
-    if (ahead_.empty()) {
+    if (queue_.begun() == 0) {
         if (unread_) return *unread_;
         ended_ = true;
-        timeline_.end_epoch();
+        timeline().end_epoch();
         return {};
     }
-    const FrameAhead frame = std::move(ahead_.front());
-    ahead_.pop_front();
-    TRY_ASSIGN([[maybe_unused]] const auto published, publish(frame.fed, frame.unchanged, frame.began_ms));
+    const auto start = std::chrono::steady_clock::now();
+    TRY_ASSIGN(const auto published, queue_.publish());
     assert(published && "the reader of virtual time never holds more than two pairs");
+    note_published(*published, std::exchange(begin_ms_, 0) + milliseconds_since(start));
+    return {};
+}
+
+Result<void> SurfaceFeed::feed_to(const MediaMoment& moment) {
+    if (moment.epoch > place().epoch) {
+        TRY(queue_.forget());
+        TRY(read_from(moment.epoch, moment.start_ns));
+        ended_ = all_read_ = false;
+        unread_.reset();
+    }
+    // Each pair_at lets the timeline release frames before the build, so a slot is free however far time
+    // jumps.
+    FramePair pair;
+    while (!ended_ && !queue_.has(moment)) {
+        if (stop_requested()) return interrupted_error();
+        timeline().pair_at(moment, pair);
+        TRY(feed_next());
+    }
     return {};
 }
 
 Result<FramePair> SurfaceFeed::pair_at(const MediaMoment& moment) {
-    if (moment.epoch > place_.epoch) {
-        TRY(forget_ahead());
-        TRY(read_from(moment.epoch, moment.start_ns));
-        ended_ = false;
-    }
+    TRY(feed_to(moment));
     FramePair pair;
-    const auto is_there = [&] {
-        return timeline_.epoch() >= moment.epoch && timeline_.newest_time() > moment.time_ns;
-    };
-    // Each pair_at lets the timeline release frames before the build, so a slot is free however far time
-    // jumps.
-    while (!ended_ && !is_there()) {
-        if (stop_requested()) return interrupted_error();
-        timeline_.pair_at(moment, pair);
-        TRY(feed_next());
-    }
-    if (!timeline_.pair_at(moment, pair))
+    if (!timeline().pair_at(moment, pair))
         return input_error("the clip has no frames; there is nothing to touch");
     return pair;
 }

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A clip's frames on their way to the hand: read, built and published to a timeline. A SurfaceFeed does so in
-// virtual time, on the thread of the run; FeedThreads runs it live. For an eye the feed also keeps stored
-// planes and finds cuts.
+// A clip's frames on their way to a SurfaceQueue (engine/run). A SurfaceFeed reads them in virtual time, on the thread
+// of the run; FeedThreads runs it live. For an eye the feed also keeps stored planes and finds cuts.
 
 #include <chrono>
 #include <deque>
@@ -19,9 +18,9 @@
 #include "engine/scene/filter_codes.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
+#include "engine/run/touch_run.hpp"
 #include "engine/surface/surface_builder.hpp"
 #include "player/run/figures.hpp"
-#include "player/run/playback.hpp"
 
 namespace touchable {
 
@@ -43,12 +42,6 @@ struct HeldPlanes {
     std::shared_ptr<const void> storage;
 };
 
-/// A frame as it was read.
-struct FedFrame {
-    RawFrame raw;
-    bool shown = true;  ///< false: a warm-up frame before the epoch's first, for a temporal filter
-};
-
 /// Figures of a running feed.
 struct FeedFigures {
     std::string builder;
@@ -56,8 +49,8 @@ struct FeedFigures {
     double read_ms = 0, build_ms = 0;      ///< of the newest frame
 };
 
-/// Reads a clip's frames, builds them and publishes them to the timeline. In virtual time it runs on the
-/// caller's thread: `pair_at` returns once the frames around a moment are published.
+/// Reads a clip's frames, and has them built and published. In virtual time it runs on the caller's thread:
+/// `pair_at` returns once the frames around a moment are published.
 class SurfaceFeed {
 public:
     /// `scene`: the reader's, as applied in this run. `warm_up_frames`: frames that a temporal filter reads
@@ -67,9 +60,11 @@ public:
                 SurfaceTimeline::Eye eye = SurfaceTimeline::Eye::none);
     ~SurfaceFeed();
 
-    /// Reads and builds until a frame later than the moment is published or the clip has ended, then returns
-    /// the pair around the moment. Moments must not decrease (for an epoch already left, the current pair
-    /// stays); a later epoch is read from its start on. An empty clip is an error.
+    /// Reads and builds until a frame later than the moment is published or the clip has ended. Moments must
+    /// not decrease; a later epoch is read from its start on.
+    Result<void> feed_to(const MediaMoment& moment);
+    /// The same, and the pair around the moment (for an epoch already left, the current pair stays). An empty
+    /// clip is an error.
     Result<FramePair> pair_at(const MediaMoment& moment);
     /// In epoch 0.
     Result<FramePair> pair_at(std::int64_t time_ns) { return pair_at(MediaMoment{0, time_ns, 0}); }
@@ -87,7 +82,7 @@ public:
     /// Reads this epoch from now on: from the frame at its start (at most the clip's last), with a temporal
     /// filter from its warm-up frames before. Reading thread.
     Result<void> read_from(std::uint64_t epoch, std::int64_t start_ns);
-    ReadPlace place() const { return place_; }
+    ReadPlace place() const { return queue_.place(); }
     /// Returns to this place and forgets what was read since, of epochs that were never played or built.
     /// Reading thread.
     Result<void> go_back(const ReadPlace& place);
@@ -103,9 +98,10 @@ public:
     Result<bool> publish(const FedFrame& frame);
     /// Builder thread: all frames of this epoch have been passed to it.
     void end_epoch(std::uint64_t epoch) {
-        if (epoch == timeline_.epoch()) timeline_.end_epoch();
+        if (epoch == queue_.timeline().epoch()) queue_.timeline().end_epoch();
     }
-    SurfaceTimeline& timeline() { return timeline_; }
+    SurfaceQueue& queue() { return queue_; }
+    SurfaceTimeline& timeline() { return queue_.timeline(); }
     /// The eye's thread: a published frame's stored planes, if kept. Frees earlier frames' planes, which are
     /// no longer needed.
     std::optional<HeldPlanes> stored_planes(std::uint64_t epoch, std::int64_t number);
@@ -119,7 +115,7 @@ public:
     Result<void> begin(std::chrono::steady_clock::time_point zero) { return reader_->begin(zero); }
 
     const ClipReader& reader() const { return *reader_; }
-    std::string_view builder_name() const { return builder_->name(); }
+    std::string_view builder_name() const { return queue_.builder().name(); }
     std::int64_t frames() const { return frames_; }  ///< published so far
     /// Share of all published tiles that was not built, 0 to 1: unchanged since an earlier frame, or not
     /// touched (lazy).
@@ -128,13 +124,12 @@ public:
     bool any_valid() const { return any_valid_; }
     bool ended() const { return ended_; }
     /// The newest epoch built, and the end of its newest frame.
-    MediaMoment end() const { return {timeline_.epoch(), end_ns(), 0}; }
+    MediaMoment end() const { return {queue_.timeline().epoch(), end_ns(), 0}; }
     std::int64_t end_ns() const { return rate_.time_ns(newest_number_ + 1); }
     /// The frames built, in order, which `planes_hash` covers; empty without a hash.
     const std::vector<FrameRun>& built() const { return built_; }
     /// The frames dropped, in order; without a hash only the newer ones.
     const std::vector<FrameRun>& dropped() const { return dropped_; }
-    bool has_dropped(std::uint64_t epoch, std::int64_t number) const;
     std::int64_t dropped_frames() const;
     /// Milliseconds per frame read or built since `forget_times`. If frames are built in parallel, the time
     /// the run's thread spends on a frame, waits included.
@@ -147,50 +142,34 @@ public:
 
 private:
     class Watched;
-    /// A frame that the builder has begun, or that equals the previous one.
-    struct FrameAhead {
-        FedFrame fed;
-        bool unchanged = false;
-        double began_ms = 0;  ///< time that beginning it took
-    };
     Result<void> feed_next();
     void begin_ahead();
-    Result<void> forget_ahead();
-    bool is_unchanged(const std::optional<RawFrame>& before, const RawFrame& raw) const;
-    void note_newest(std::optional<RawFrame>& newest, const RawFrame& raw) const;
     void note_built(const RawFrame& raw);
     void note_dropped(std::int64_t frames);
-    /// `began_ms`: nothing if the builder has not begun the frame.
-    Result<bool> publish(const FedFrame& frame, bool unchanged, std::optional<double> began_ms);
-    Result<bool> build(const FedFrame& frame, bool begun);
+    void note_published(const SurfaceQueue::Published& published, double took_ms);
 
     std::unique_ptr<ClipReader> reader_;
-    std::unique_ptr<SurfaceBuilder> builder_;
     FrameRate rate_;
     DepthCoding stored_;
-    int warm_up_frames_;
-    bool settles_;  // a temporal filter makes another surface even of the same frame
-    SurfaceTimeline timeline_;
+    SurfaceQueue queue_;
     std::unique_ptr<Watched> watched_;  // for an eye; null: none
     mutable std::mutex figures_mutex_;
     FeedFigures figures_;  // guarded by figures_mutex_
     // Reading thread.
-    ReadPlace place_;
     std::vector<FrameRun> dropped_, left_out_;
     std::int64_t dropped_long_ago_ = 0;  // frames no longer in `dropped_`
     // Builder thread.
     ByteHash hash_;
     bool hashed_ = true;
     std::vector<FrameRun> built_;
-    std::optional<RawFrame> newest_;   // newest frame built
     std::int64_t newest_number_ = -1;  // newest frame published
     std::int64_t frames_ = 0;
     double skipped_frames_ = 0;  // with fractions of frames
     bool any_valid_ = false, ended_ = false;
-    // In virtual time: the prefetched frames.
-    std::deque<FrameAhead> ahead_;
-    std::optional<RawFrame> newest_ahead_;
+    // In virtual time.
     bool works_ahead_ = false, all_read_ = false;
+    bool may_begin_another_ = true;  // the frame begun last keeps its planes
+    double begin_ms_ = 0;            // since a frame was published
     std::optional<Error> unread_;  // why reading or building stopped before the clip's end
     TimeSpread read_ms_, build_ms_;
 };

@@ -118,26 +118,22 @@ glm::dvec3 FieldProbe::project(const glm::dvec3& point) const {
     return image ? glm::dvec3{image->x, image->y, image->planar_depth} : glm::dvec3(0.0);
 }
 
-TouchSession::TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
+TouchSession::TouchSession(SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
                            const TouchSessionSettings& settings)
-    : scene_(scene),
-      feed_(feed),
+    : feed_(feed),
       hand_(hand),
       settings_(settings),
-      clock_(scene.rate, settings.playback),
-      step_(solver, settings.guard, settings.fingers) {
-    if (!settings_.time_of_tick) settings_.time_of_tick = [](std::int64_t tick) { return tick * tick_ns; };
-}
+      run_(feed.queue(), std::make_shared<PlaybackLog>(settings.playback), solver, settings.guard,
+           settings.fingers) {}
 
 bool TouchSession::is_over(std::int64_t tick) {
     const auto ticks = settings_.ticks ? settings_.ticks : hand_.ticks();
     if (ticks) return tick >= *ticks;
     const auto& playback = settings_.playback;
-    const std::int64_t time_ns = settings_.time_of_tick(tick);
-    if (!playback.empty() && time_ns / tick_ns < playback.back().tick) return false;
-    const MediaMoment moment = moment_of(tick), end = feed_.end();
+    if (!playback.empty() && tick < playback.back().tick) return false;
+    const MediaMoment moment = run_.moment_at(tick), end = feed_.end();
     return feed_.ended() && moment.epoch == end.epoch && moment.time_ns >= end.time_ns &&
-           time_ns >= shortest_run_ns;
+           tick * tick_ns >= shortest_run_ns;
 }
 
 Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
@@ -150,16 +146,15 @@ Result<void> TouchSession::run(std::span<TouchSink* const> sinks) {
 }
 
 Result<void> TouchSession::tick(std::int64_t tick, std::span<TouchSink* const> sinks) {
-    const std::int64_t time_ns = settings_.time_of_tick(tick);
-    TRY_ASSIGN(const auto pair,
-               settings_.pair_of_tick ? settings_.pair_of_tick(tick) : feed_.pair_at(moment_of(tick)));
+    TouchSessionSettings::GivenTick given{tick * tick_ns};
+    if (settings_.given_tick) TRY(assign(given, settings_.given_tick(tick)));
+    if (!given.pair) TRY(assign(given.pair, feed_.pair_at(run_.moment_at(given.time_ns / tick_ns))));
     // A clip of unknown length may turn out to have ended before this tick.
     if (is_over(tick)) return {};
-    const HeightField field(scene_, pair);
-    hand_.goals_at(tick, FieldProbe(field), step_.goals());
-    for (std::size_t k = 0; k < step_.hops().size(); ++k) step_.hops()[k] = hand_.hops(k);
-    if (settings_.is_after_gap && settings_.is_after_gap(tick)) step_.come_back();
-    const TouchTick done = step_.run(time_ns / tick_ns, time_ns, scene_, pair);
+    run_.meet(given.time_ns / tick_ns, given.time_ns, *given.pair, given.after_gap);
+    hand_.goals_at(tick, FieldProbe(run_.field()), run_.goals());
+    for (std::size_t k = 0; k < run_.hops().size(); ++k) run_.hops()[k] = hand_.hops(k);
+    const TouchTick done = run_.solve();
     for (TouchSink* sink : sinks) TRY(sink->consume(done));
     return {};
 }

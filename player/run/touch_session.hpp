@@ -4,10 +4,9 @@
 // A run over a clip, tick by tick, in virtual time or in real time: this module's main interface.
 // docs/install.md has a complete example.
 //
-// A SurfaceFeed reads frames of a clip, builds them and publishes them to a SurfaceTimeline; a PlaybackClock
-// (playback.hpp) maps ticks to moments of the clip; a TouchSession takes a goal for each finger, solves the
-// tick and passes it to TouchSinks (files, TouchFigures, recordings). clip_workspace places a device over a
-// clip. The same inputs give the same forces to the bit, whatever the machine.
+// A SurfaceFeed reads frames of a clip for a TouchRun (engine/run); a TouchSession takes a goal for each finger,
+// has the tick solved and passes it to TouchSinks (files, TouchFigures, recordings). clip_workspace places a
+// device over a clip. The same inputs give the same forces to the bit, whatever the machine.
 //
 // A LiveSession is the same run in real time, on threads of its own (docs/architecture.md, Threads). The
 // haptic thread, which reads goals from a HapticPort (`make_port`), waits for no other thread; it queues its
@@ -30,13 +29,13 @@
 #include "device/hand.hpp"
 #include "device/haptic_device.hpp"
 #include "engine/clip/clip.hpp"
+#include "engine/run/touch_run.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "player/run/figures.hpp"
-#include "player/run/playback.hpp"
 #include "player/run/surface_feed.hpp"
 
 namespace touchable {
@@ -94,12 +93,14 @@ struct TouchSessionSettings {
     std::function<void(const LiveStatus&)> on_status;
     /// Live run: whether its hand has ended, which ends the run; null: never.
     std::function<bool()> hand_is_over;
-    /// Time of a tick; k ms by default. Must not go backward.
-    std::function<std::int64_t(std::int64_t)> time_of_tick;
-    /// Whether a gap precedes a tick (TouchStep::come_back); default: never.
-    std::function<bool(std::int64_t)> is_after_gap;
-    /// Frames of a tick; default: those around its moment on the clip's clock.
-    std::function<Result<FramePair>(std::int64_t)> pair_of_tick;
+    /// What a replay or a measurement gives of a tick.
+    struct GivenTick {
+        std::int64_t time_ns = 0;         ///< must not go backward
+        std::optional<FramePair> pair{};  ///< nothing: the frames around its moment on the clip's clock
+        bool after_gap = false;           ///< TouchRun::meet
+    };
+    /// Default: tick k is at k ms.
+    std::function<Result<GivenTick>(std::int64_t)> given_tick;
 };
 
 /// Offline touch: hand -> solver -> guard at 1 kHz of virtual time over a clip. After the clip's end its last
@@ -107,7 +108,7 @@ struct TouchSessionSettings {
 class TouchSession {
 public:
     /// All references must outlive the session.
-    TouchSession(const Scene& scene, SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
+    TouchSession(SurfaceFeed& feed, Hand& hand, const TouchSolver& solver,
                  const TouchSessionSettings& settings);
 
     /// Runs to the end or until a stop request (an error then).
@@ -115,15 +116,12 @@ public:
 
 private:
     bool is_over(std::int64_t tick);
-    MediaMoment moment_of(std::int64_t tick) { return clock_.at(settings_.time_of_tick(tick) / tick_ns); }
     Result<void> tick(std::int64_t tick, std::span<TouchSink* const> sinks);
 
-    const Scene& scene_;
     SurfaceFeed& feed_;
     Hand& hand_;
     TouchSessionSettings settings_;
-    PlaybackClock clock_;
-    TouchStep step_;
+    TouchRun run_;
 };
 
 /// For people: no frame has come from a live source for `silent_ns`, and why; empty: frames come. They do
@@ -171,7 +169,7 @@ public:
     /// and takes forces. The session lasts `settings.ticks`, otherwise as long as the clip, at least 3 s.
     /// `log`: replaces the settings' commands; with an open one, to which commands may come, the session does
     /// not end by itself.
-    LiveSession(const Scene& scene, SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
+    LiveSession(SurfaceFeed& feed, HapticPort& port, const TouchSolver& solver,
                 const TouchSessionSettings& settings, std::shared_ptr<PlaybackLog> log = nullptr);
 
     /// Runs to the end, until a stop request (the usual end), or until the device, a sink or the clip fails;
@@ -187,7 +185,7 @@ public:
     /// is done.
     void stop();
     /// State of the clip's clock at the newest tick.
-    PlaybackState playback() const { return board_.read(); }
+    PlaybackState playback() const { return run_.playback(); }
     std::int64_t late_frames() const { return late_frames_.load(std::memory_order_relaxed); }
     /// End of the clip's last frame once it was reached, ns; 0 before.
     std::int64_t clip_end_ns() const { return clip_end_ns_.load(std::memory_order_relaxed); }
@@ -206,14 +204,10 @@ private:
     void set_loop(HapticLoop* loop);
     Result<void> conclude(const HapticLoop& loop, const Result<void>& taken);
 
-    const Scene& scene_;
     SurfaceFeed& feed_;
     HapticPort& port_;
     TouchSessionSettings settings_;
-    std::shared_ptr<PlaybackLog> log_;
-    PlaybackBoard board_;
-    TouchStep step_;
-    PlaybackClock clock_;
+    TouchRun run_;
     std::int64_t next_tick_ = 0;  // of run_tick
     std::atomic<bool> stopping_{false};
     std::mutex loop_mutex_;

@@ -267,25 +267,21 @@ private:
 /// Runs ticks at their recorded times and, for a live run, with their recorded frame pairs: which pair a live
 /// tick found depended on timing.
 void follow(const RecordedPart& part, TouchSetup& setup) {
-    setup.options.time_of_tick = [&part](std::int64_t tick) {
-        const auto last = static_cast<std::int64_t>(part.ticks.size()) - 1;
-        return part.ticks[static_cast<std::size_t>(std::min(tick, last))].time_ns;
-    };
     setup.options.playback = part.playback;
-    if (!setup.options.live) return;
-    setup.options.is_after_gap = [&part](std::int64_t tick) {
-        return (part.ticks[static_cast<std::size_t>(tick)].guards.front() & guard_gap) != 0;
-    };
     const PlaybackClock clock(setup.scene.rate, part.playback);
-    setup.options.pair_of_tick = [&part, feed = setup.feed.get(), epoch = ComingEpoch{}, ahead = clock,
-                                  now = clock](std::int64_t tick) mutable -> Result<FramePair> {
+    setup.options.given_tick = [&part, is_live = setup.options.live, feed = setup.feed.get(), epoch = ComingEpoch{},
+                                ahead = clock, now = clock](std::int64_t tick) mutable -> Result<TouchSessionSettings::GivenTick> {
         const RecordedPart::Tick& recorded = part.ticks[static_cast<std::size_t>(tick)];
+        TouchSessionSettings::GivenTick given{recorded.time_ns};
+        if (!is_live) return given;
+        given.after_gap = (recorded.guards.front() & guard_gap) != 0;
         if (recorded.epoch > now.at(recorded.time_ns / tick_ns).epoch)
             return input_error("tick " + std::to_string(tick) + " is of epoch " +
                                std::to_string(recorded.epoch) + ", which no command has begun by then");
         while (epoch.number < recorded.epoch) epoch = ahead.next_epoch().value();
-        return feed->pair_of(recorded.frame_prev, recorded.frame_next, recorded.blend, epoch.number,
-                             epoch.start_ns);
+        TRY(assign(given.pair, feed->pair_of(recorded.frame_prev, recorded.frame_next, recorded.blend,
+                                             epoch.number, epoch.start_ns)));
+        return given;
     };
 }
 

@@ -155,7 +155,7 @@ Result<std::unique_ptr<WatchedSession>> WatchedSession::start(std::unique_ptr<To
     std::unique_ptr<WatchedSession> session(new WatchedSession(std::move(setup), std::move(sinks)));
     TouchSetup& s = *session->setup_;
     TRY_ASSIGN(session->port_, open_port(s));
-    session->live_.emplace(s.scene, *s.feed, *session->port_, *s.solver, s.options, session->log_);
+    session->live_.emplace(*s.feed, *session->port_, *s.solver, s.options, session->log_);
     session->running_.store(true, std::memory_order_release);
     if (stepped) {
         s.feed->work_ahead();

@@ -17,6 +17,7 @@
 #include "capi/api_common.hpp"
 #include "capi/touchable.hpp"
 #include "engine/content/scenes.hpp"
+#include "engine/run/touch_run.hpp"
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "engine/surface/surface_builder.hpp"

@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "engine/run/touch_run.hpp"
 #include "engine/scene/frames.hpp"
 #include "tests/limits.hpp"
 #include "tests/must.hpp"

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "engine/base/same_bits.hpp"
+#include "engine/run/touch_run.hpp"
 #include "haptics_cpu/force_guard.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "tests/haptics/touch_rig.hpp"

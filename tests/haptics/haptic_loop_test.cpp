@@ -20,6 +20,7 @@
 #include <thread>
 #include <utility>
 
+#include "engine/run/touch_run.hpp"
 #include "haptics_cpu/haptic_loop.hpp"
 #include "tests/haptics/touch_rig.hpp"
 #include "tests/limits.hpp"
@@ -66,14 +67,12 @@ public:
     explicit LoopRig(int log_ticks, std::unique_ptr<VertexSource> vertices = std::make_unique<ExactVertices>(
                                         17, 17, std::vector<double>(17 * 17, 100.0)))
         : wall(17, 17, 100.0),
-          solver(TouchSolver::create(wall.scene, {}).value()),
-          step(solver, GuardSettings{}, 2),
           log(log_ticks, 2) {
-        SurfaceFrame* slot = timeline.acquire();
+        SurfaceFrame* slot = surface.timeline().acquire();
         slot->width = slot->height = 17;
         slot->coding = wall.scene.depth;
         slot->vertices = std::move(vertices);
-        EXPECT_TRUE(timeline.publish(0, 0));
+        EXPECT_TRUE(surface.timeline().publish(0, 0));
     }
     void run_to_end() {
         ASSERT_TRUE(loop.start());
@@ -91,12 +90,11 @@ public:
     }
 
     SmallField wall;
-    TouchSolver solver;
-    SurfaceTimeline timeline{3};
-    TouchStep step;
+    SurfaceQueue surface{wall.scene, nullptr};
+    TouchRun run{surface, nullptr, TouchSolver::create(wall.scene, {}).value(), GuardSettings{}, 2};
     TickLog log;
     PressingPort port;
-    HapticLoop loop{wall.scene, timeline, step, port, log};
+    HapticLoop loop{run.ticks(), port, log};
 };
 
 TEST(HapticLoop, LogsTicksAndEndsUnpowered) {

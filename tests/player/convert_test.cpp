@@ -78,7 +78,7 @@ protected:
         TouchSetup& s = **setup;
         TouchFigures figures;
         std::array<TouchSink*, 1> sinks{&figures};
-        EXPECT_TRUE(TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.options).run(sinks));
+        EXPECT_TRUE(TouchSession(*s.feed, *s.hand, *s.solver, s.options).run(sinks));
         EXPECT_NE(figures.to_json().at("contact_ticks"), 0);
         return figures.force_hash();
     }

@@ -240,7 +240,7 @@ Touched touched_with(std::unique_ptr<ClipReader> reader, std::unique_ptr<Surface
     EXPECT_TRUE(solver);
     TouchFigures figures;
     const std::array<TouchSink*, 1> sinks{&figures};
-    const auto ran = TouchSession(scene, feed, **hand, *solver, settings).run(sinks);
+    const auto ran = TouchSession(feed, **hand, *solver, settings).run(sinks);
     EXPECT_TRUE(ran) << ran.error().message;
     EXPECT_GT(figures.to_json()["finger_contact_pct"].get<double>(), 20) << "hardly a test of forces";
     return {figures.force_hash(), feed.frames(), figures.ticks()};

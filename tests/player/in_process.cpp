@@ -33,7 +33,7 @@ Result<void> replay_in_process(const std::filesystem::path& file) {
         ReplayCheck check(part);
         TouchFigures figures;
         TouchSink* const sinks[] = {&check, &figures, &of_all};
-        const auto ran = TouchSession(s.scene, *s.feed, *s.hand, *s.solver, s.options).run(sinks);
+        const auto ran = TouchSession(*s.feed, *s.hand, *s.solver, s.options).run(sinks);
         if (!ran) return ran;
         of_all.end_part();
         replayed.push_back(check.outcome(figures.force_hash(), has_other_frames(part, s)));

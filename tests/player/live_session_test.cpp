@@ -16,7 +16,6 @@
 #include "engine/base/threads.hpp"
 #include "engine/clip/clip_file.hpp"
 #include "engine/surface/depth_estimator.hpp"
-#include "player/run/playback.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/touch_setup.hpp"
@@ -87,7 +86,7 @@ TEST(LiveSession, ReportsFaultThatEndedIt) {
     PulledOut port;
     FailsThen sink(port);
     TouchSink* const sinks[] = {&sink};
-    LiveSession session(s.scene, *s.feed, port, *s.solver, s.options);
+    LiveSession session(*s.feed, port, *s.solver, s.options);
     ASSERT_TRUE(session.run(sinks)) << "what was touched until then counts";
     ASSERT_TRUE(sink.has_failed);
     ASSERT_TRUE(session.facts().failure);
@@ -101,7 +100,7 @@ TEST(LiveSession, KeepsInterruptedRun) {
     PulledOut port(std::numeric_limits<std::int64_t>::max());
     StopsRun sink;
     TouchSink* const sinks[] = {&sink};
-    LiveSession session(s.scene, *s.feed, port, *s.solver, s.options);
+    LiveSession session(*s.feed, port, *s.solver, s.options);
     const StopScope until(sink.asked.get_token());
     ASSERT_TRUE(session.run(sinks)) << "what was touched until then counts";
     EXPECT_TRUE(session.facts().interrupted);

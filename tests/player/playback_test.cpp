@@ -19,7 +19,6 @@
 #include <vector>
 
 #include "haptics_cpu/force_guard.hpp"
-#include "player/run/playback.hpp"
 #include "player/run/touch_session.hpp"
 #include "player/session/touch_setup.hpp"
 #include "tests/clip/clip_fixture.hpp"
@@ -116,7 +115,7 @@ std::vector<PressedTick> pressed(const std::string& script, std::int64_t ticks,
     const auto solver = TouchSolver::create(scene, settings.touch);
     PressedTicks taken(PlaybackClock(scene.rate, settings.playback));
     TouchSink* const sinks[] = {&taken};
-    EXPECT_TRUE(TouchSession(scene, feed, hand, *solver, settings).run(sinks));
+    EXPECT_TRUE(TouchSession(feed, hand, *solver, settings).run(sinks));
     EXPECT_EQ(taken.ticks.size(), static_cast<std::size_t>(ticks));
     return taken.ticks;
 }

@@ -626,7 +626,7 @@ TEST_F(ServedTouch, NetworkFailureReleasesHand) {
     TouchSessionSettings settings = s.options;
     settings.ticks = s.ticks();
     const auto hand = make_port(*s.hand);
-    LiveSession session(s.scene, *s.feed, *hand, *s.solver, settings);
+    LiveSession session(*s.feed, *hand, *s.solver, settings);
     Watch watch;
     TouchSink* const sinks[]{&watch};
     Result<void> ran;

@@ -37,7 +37,7 @@ Result<std::string> touch(const char* file) {
     if (!solver) return solver.error();
     Forces forces;
     TouchSink* const sinks[] = {&forces};
-    if (auto ran = TouchSession(scene, feed, **hand, *solver, settings).run(sinks); !ran) return ran.error();
+    if (auto ran = TouchSession(feed, **hand, *solver, settings).run(sinks); !ran) return ran.error();
     return forces.hash.hex();
 }
 

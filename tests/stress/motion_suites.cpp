@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "engine/run/touch_run.hpp"
 #include "tests/stress/drawn_scene.hpp"
 #include "tests/stress/suites.hpp"
 

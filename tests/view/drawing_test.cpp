@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/run/touch_run.hpp"
 #include "player/draw/cpu_painting.hpp"
 #include "player/draw/gpu_image.hpp"
 #include "player/draw/gpu_painting.hpp"

@@ -14,10 +14,10 @@ namespace touchable {
 
 /// Moves the goals of one or more fingers over a surface at 1 kHz of its own time. A tick does the haptic
 /// thread's work: the present field, then the solver for all fingers.
-class TouchRun final : public TimedRun {
+class SolverTicks final : public TimedRun {
 public:
     /// `goals`: all fingers of tick 0, of tick 1, ... The surface must outlive the run.
-    static Result<std::unique_ptr<TouchRun>> create(const TouchSurface& surface, const TouchCase& c,
+    static Result<std::unique_ptr<SolverTicks>> create(const TouchSurface& surface, const TouchCase& c,
                                                     const HapticProperties& properties,
                                                     std::vector<glm::dvec3> goals);
 
@@ -35,7 +35,7 @@ public:
     double metres_per_scene_unit() const { return solver_.settings().metres_per_scene_unit; }
 
 private:
-    TouchRun(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
+    SolverTicks(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
              const TouchSolver& solver, std::vector<glm::dvec3> goals);
 
     const TouchSurface& surface_;
@@ -70,6 +70,6 @@ const char* fault_of(const Contact& contact, const HeightField& field, double me
                      double tolerance);
 
 /// Runs the ticks once, untimed, and checks each (fault_of); at least half of all ticks must be in contact.
-Result<RunCounts> verify(TouchRun& run);
+Result<RunCounts> verify(SolverTicks& run);
 
 }  // namespace touchable

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "engine/scene/frames.hpp"
+#include "engine/run/surface_timeline.hpp"
 
 #include <algorithm>
 #include <cassert>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "player/run/playback.hpp"
+#include "engine/run/playback.hpp"
 
 #include "engine/base/try.hpp"
 
@@ -219,14 +219,6 @@ PlaybackState until_end(PlaybackState state, const FrameRate& rate, std::int64_t
     state.at_end = state.moment.time_ns >= last_ns;
     state.moment.time_ns = std::min(state.moment.time_ns, last_ns);
     return state;
-}
-
-ReadPlace first_place(std::uint64_t epoch, std::int64_t start_ns, const FrameRate& rate,
-                      std::optional<std::int64_t> frames, int warm_up_frames) {
-    ReadPlace place{epoch, start_ns, rate.frame_at(start_ns), 0};
-    if (frames && *frames > 0) place.first_shown = std::min(place.first_shown, *frames - 1);
-    place.next_number = std::max<std::int64_t>(0, place.first_shown - warm_up_frames);
-    return place;
 }
 
 }  // namespace touchable

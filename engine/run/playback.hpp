@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+// A clip's clock: which moment of the clip a tick meets, and the commands that a person gives it.
+//
+// A PlaybackClock computes the moment from the tick and a PlaybackLog of PlaybackCommands, in integers, so
+// the same commands repeat a run. PlaybackControl is a person's side (play, pause, seek, loop), PlaybackBoard
+// shows the clock's state to other threads.
+//
+// Threads: one gives commands to a log, one ticks the clock; neither waits for the other.
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -17,7 +24,7 @@
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "engine/scene/frames.hpp"
+#include "engine/run/surface_timeline.hpp"
 #include "engine/scene/scene.hpp"
 
 namespace touchable {
@@ -89,18 +96,6 @@ Result<void> validate(const std::vector<PlaybackCommand>& commands);
 
 /// What is wrong with a command that follows one at `tick_before`; nothing: valid.
 std::optional<std::string> fault_after(std::int64_t tick_before, const PlaybackCommand& command);
-
-/// Reads commands to the clip's clock, one per line: "SECONDS play", "pause", "rate X", "seek SECONDS",
-/// "step", "loop SECONDS SECONDS" or "unloop", in the order of their times (docs/touch.md). Empty lines and
-/// text after '#' are ignored. Anything else is refused (ErrorKind::input) with `name` and the line.
-Result<std::vector<PlaybackCommand>> parse_playback(std::string_view text, const std::string& name);
-/// As parse_playback, from a file.
-Result<std::vector<PlaybackCommand>> read_playback(const std::filesystem::path& file);
-
-/// The commands as parse_playback's lines, joined by ", ".
-std::string in_words(const std::vector<PlaybackCommand>& commands);
-/// The settings that may have given these commands.
-Hints settings_of(const std::vector<PlaybackCommand>& commands);
 
 /// State of a clip's clock at a tick.
 struct PlaybackState {
@@ -230,21 +225,6 @@ private:
     Ask give_;
     std::optional<std::int64_t> wanted_ns_;  // clip time to seek to
 };
-
-/// Position of reading in an epoch.
-struct ReadPlace {
-    std::uint64_t epoch = 0;
-    std::int64_t start_ns = 0;  ///< start of the epoch
-    std::int64_t first_shown = 0, next_number = 0;
-
-    bool is_of(const MediaMoment& moment) const {
-        return epoch == moment.epoch && start_ns == moment.start_ns;
-    }
-};
-/// Where reading an epoch begins: at the frame at its start, at most the last of `frames` (nothing or 0:
-/// unknown), or at a temporal filter's warm-up frames before.
-ReadPlace first_place(std::uint64_t epoch, std::int64_t start_ns, const FrameRate& rate,
-                      std::optional<std::int64_t> frames, int warm_up_frames);
 
 /// Publishes the clock's state to other threads (seqlock): each reader gets one tick's whole state. The
 /// writer never waits; a reader retries if a write overlapped its read.

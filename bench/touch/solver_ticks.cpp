@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/touch/touch_run.hpp"
+#include "bench/touch/solver_ticks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ Error wrong(int tick, std::size_t finger, const char* fault) {
 
 }  // namespace
 
-TouchRun::TouchRun(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
+SolverTicks::SolverTicks(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
                    const TouchSolver& solver, std::vector<glm::dvec3> goals)
     : surface_(surface),
       scene_(surface.scene()),
@@ -31,7 +31,7 @@ TouchRun::TouchRun(const TouchSurface& surface, const TouchCase& c, const Haptic
     if (c.hold) scene_.interpolation = FrameInterpolation::hold;
 }
 
-Result<std::unique_ptr<TouchRun>> TouchRun::create(const TouchSurface& surface, const TouchCase& c,
+Result<std::unique_ptr<SolverTicks>> SolverTicks::create(const TouchSurface& surface, const TouchCase& c,
                                                    const HapticProperties& properties,
                                                    std::vector<glm::dvec3> goals) {
     TouchSettings settings;
@@ -39,18 +39,18 @@ Result<std::unique_ptr<TouchRun>> TouchRun::create(const TouchSurface& surface, 
     settings.metres_per_scene_unit = surface.scene().device_metres_per_unit.value();
     const auto solver = TouchSolver::create(surface.scene(), settings);
     if (!solver) return solver.error();
-    return std::unique_ptr<TouchRun>(new TouchRun(surface, c, properties, *solver, std::move(goals)));
+    return std::unique_ptr<SolverTicks>(new SolverTicks(surface, c, properties, *solver, std::move(goals)));
 }
 
-void TouchRun::restart() {
+void SolverTicks::restart() {
     fingers_.assign(fingers_.size(), {});
 }
 
-HeightField TouchRun::field(int k) const {
+HeightField SolverTicks::field(int k) const {
     return {scene_, surface_.pair_at(k * tick_length_ns)};
 }
 
-void TouchRun::tick(int k) {
+void SolverTicks::tick(int k) {
     const auto goals =
         std::span(goals_).subspan(static_cast<std::size_t>(k) * fingers_.size(), fingers_.size());
     solver_.tick(field(k), goals, fingers_, contacts_);
@@ -93,7 +93,7 @@ const char* fault_of(const Contact& contact, const HeightField& field, double me
     return nullptr;
 }
 
-Result<RunCounts> verify(TouchRun& run) {
+Result<RunCounts> verify(SolverTicks& run) {
     run.restart();
     RunCounts counts;
     const double tolerance = behind_tolerance(run.metric());
