@@ -136,7 +136,6 @@ protected:
         : ChangedClip(std::move(clip), scene), painter_(scene) {
         replace_track(PlaneRole::haptic,
                       {"", "materials of segments", "rgb24", scene_.width, scene_.height, true});
-        forget_notes_of(PlaneRole::haptic);
     }
 
     HapticPainter painter_;

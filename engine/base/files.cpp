@@ -280,6 +280,13 @@ fs::path hidden_name(const fs::path& folder) {
     return folder / formatted(".unfinished-%016llx", static_cast<unsigned long long>(number));
 }
 
+std::string shown_as(std::string message, const fs::path& hidden, const fs::path& name) {
+    for (auto at = message.find(hidden); at != message.npos;
+         at = message.find(hidden, at + name.native().size()))
+        message.replace(at, hidden.native().size(), name);
+    return message;
+}
+
 int move_to_free_name(const fs::path& from, const fs::path& to) {
     if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
     if (errno != EINVAL && errno != ENOSYS) return errno;

@@ -243,6 +243,9 @@ private:
 Result<std::filesystem::path> own_folder(const char* variable, const char* in_home);
 /// A name in `folder` that no other file has and no other program can foresee.
 std::filesystem::path hidden_name(const std::filesystem::path& folder);
+/// A message that calls a hidden or temporary path by the name that a person knows.
+std::string shown_as(std::string message, const std::filesystem::path& hidden,
+                     const std::filesystem::path& name);
 /// Moves a file or folder to a name that must be free. Returns 0 or an errno.
 int move_to_free_name(const std::filesystem::path& from, const std::filesystem::path& to);
 /// The errno of a flush to the disk that returned `done`; 0 where a pipe or a file system cannot flush.

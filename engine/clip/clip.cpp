@@ -335,29 +335,32 @@ Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::st
     return same_size ? std::move(plane) : resampled(view, scene.width, scene.height);
 }
 
-std::string take_grey_haptic(Scene& scene) {
+ClipNote take_grey_haptic(Scene& scene) {
     const double held = scene.default_properties.static_friction,
                  sliding = scene.default_properties.dynamic_friction;
     scene.haptic.static_friction = {held, held};
     scene.haptic.dynamic_friction = {sliding, sliding};
-    return "haptic is grey: stiffness alone, " + exact_number(scene.haptic.stiffness.min) + " to " +
-           exact_number(scene.haptic.stiffness.max) + " N/mm; friction " + exact_number(held) + " static, " +
-           exact_number(sliding) + " dynamic everywhere, as the scene's default_properties have it";
+    return {PlaneRole::haptic, "grey: stiffness alone, " + exact_number(scene.haptic.stiffness.min) + " to " +
+                                   exact_number(scene.haptic.stiffness.max) + " N/mm; friction " +
+                                   exact_number(held) + " static, " + exact_number(sliding) +
+                                   " dynamic everywhere, as the scene's default_properties have it"};
 }
 
-std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene) {
+ClipNote resampling_note(PlaneRole role, int width, int height, const Scene& scene) {
     if (role == PlaneRole::colour && scene.colour_camera)
-        return "colour is " + size_text(width, height) + ", by a camera of its own";
-    return std::string(role_name(role)) + " is " + size_text(width, height) +
-           ": resampled to the nearest pixel of depth's " + size_text(scene.width, scene.height);
+        return {role, size_text(width, height) + ", by a camera of its own"};
+    return {role, size_text(width, height) + ": resampled to the nearest pixel of depth's " +
+                      size_text(scene.width, scene.height)};
 }
 
-std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene) {
+std::optional<ClipNote> default_touch_note(bool has_haptic, const Scene& scene) {
     if (has_haptic) return std::nullopt;
     const HapticProperties& felt = scene.default_properties;
-    return "no haptic plane: " + exact_number(felt.stiffness / 1000.0) + " N/mm everywhere, friction " +
-           exact_number(felt.static_friction) + " static, " + exact_number(felt.dynamic_friction) +
-           " dynamic";
+    ClipNote note("no haptic plane: " + exact_number(felt.stiffness / 1000.0) +
+                  " N/mm everywhere, friction " + exact_number(felt.static_friction) + " static, " +
+                  exact_number(felt.dynamic_friction) + " dynamic");
+    note.plane = PlaneRole::haptic;
+    return note;
 }
 
 std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCoding& coding) {
@@ -367,9 +370,9 @@ std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCodin
            "and invalid fit these pictures?";
 }
 
-std::vector<std::string> describe_planes(const std::vector<TrackInfo>& tracks, const RawFrame& first,
-                                         Scene& scene) {
-    std::vector<std::string> notes;
+std::vector<ClipNote> describe_planes(const std::vector<TrackInfo>& tracks, const RawFrame& first,
+                                      Scene& scene) {
+    std::vector<ClipNote> notes;
     bool has_haptic = false;
     for (const TrackInfo& track : tracks) {
         const PlaneRole role = role_named(track.role).value_or(PlaneRole::depth);

@@ -42,6 +42,23 @@ struct TrackInfo {
     bool lossless = false;      ///< stated by the writer; the codec alone may be lossy
 };
 
+enum class PlaneRole { depth, colour, haptic, height };
+
+inline constexpr std::array all_roles{PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic,
+                                      PlaneRole::height};
+
+std::string_view role_name(PlaneRole role);
+std::optional<PlaneRole> role_named(std::string_view name);
+
+/// A note for the user.
+struct ClipNote : std::string {
+    ClipNote(std::string words) : std::string(std::move(words)) {}
+    /// "haptic is " and these words.
+    ClipNote(PlaneRole of, const std::string& words)
+        : std::string(std::string(role_name(of)) + " is " + words), plane(of) {}
+    std::optional<PlaneRole> plane{};  ///< the note is on this plane, and gone once another replaces it
+};
+
 /// Whether a clip's colour is used (ClipReader::leave_out_colour).
 enum class Colour { wanted, left_out };
 
@@ -93,7 +110,7 @@ public:
     virtual std::optional<std::int64_t> frame_count() const = 0;
     /// Notes for the user beside the scene's remarks: planes resampled, far plane found in the frames,
     /// defaults assumed.
-    virtual const std::vector<std::string>& notes() const = 0;
+    virtual const std::vector<ClipNote>& notes() const = 0;
     /// The stored camera of each frame, if some differ from the scene's; otherwise empty. (`open_clip` gives
     /// all frames the scene's.)
     virtual std::span<const Camera> frame_cameras() const { return {}; }
@@ -169,14 +186,6 @@ public:
     virtual Result<void> finish() = 0;
 };
 
-enum class PlaneRole { depth, colour, haptic, height };
-
-inline constexpr std::array all_roles{PlaneRole::depth, PlaneRole::colour, PlaneRole::haptic,
-                                      PlaneRole::height};
-
-std::string_view role_name(PlaneRole role);
-std::optional<PlaneRole> role_named(std::string_view name);
-
 PlaneView& plane_of(RawFrame& frame, PlaneRole role);
 const PlaneView& plane_of(const RawFrame& frame, PlaneRole role);
 /// The planes that a frame has, with their roles.
@@ -216,18 +225,18 @@ Result<Plane> fit_plane(PlaneRole role, Plane plane, const Scene& scene, std::st
 
 /// Grey haptic pictures are stiffness alone. Sets the frictions of `scene` to its default_properties for any
 /// green and blue, and returns a note for the user.
-std::string take_grey_haptic(Scene& scene);
+ClipNote take_grey_haptic(Scene& scene);
 
 // Each returns a note for the user:
 /// on a plane that `fit_plane` resamples;
-std::string resampling_note(PlaneRole role, int width, int height, const Scene& scene);
+ClipNote resampling_note(PlaneRole role, int width, int height, const Scene& scene);
 /// on touch planes that a clip lacks; nullopt if it has a haptic plane;
-std::optional<std::string> default_touch_note(bool has_haptic, const Scene& scene);
+std::optional<ClipNote> default_touch_note(bool has_haptic, const Scene& scene);
 /// on a frame in which no pixel of depth is valid; nullopt if one is;
 std::optional<std::string> no_depth_note(const RawFrame& frame, const DepthCoding& coding);
 /// on all planes of a clip, once its first frame is read. Sets in `scene` what grey haptic pictures mean.
-std::vector<std::string> describe_planes(const std::vector<TrackInfo>& tracks, const RawFrame& first,
-                                         Scene& scene);
+std::vector<ClipNote> describe_planes(const std::vector<TrackInfo>& tracks, const RawFrame& first,
+                                      Scene& scene);
 
 /// For each column (or row) of a picture of `to`: the column of a picture of `from` that its sample is taken
 /// from, the nearest to its middle.

@@ -229,7 +229,7 @@ public:
     UnstatedFilters unstated_filters() const override { return unstated_.filters; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return promised_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
+    const std::vector<ClipNote>& notes() const override { return notes_; }
     Result<std::optional<RawFrame>> next() override {
         if (first_) return std::exchange(first_, std::nullopt);
         return read();
@@ -588,7 +588,7 @@ private:
     SceneDescription::Unstated unstated_;  // by its description
     FrameRate recorded_rate_;
     std::vector<TrackInfo> infos_;
-    std::vector<std::string> notes_;
+    std::vector<ClipNote> notes_;
     std::int64_t promised_ = 0;
     std::optional<ClipContainer::WholePart> whole_;  // of a file that states no length
     bool index_leads_ = true;                        // false: the last seek by the index failed

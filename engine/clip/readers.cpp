@@ -127,7 +127,6 @@ public:
     using ChangedClip::ChangedClip;
     Result<void> lay(StillPlane still) {
         const std::string file = still.files.front().string();
-        forget_notes_of(still.role);
         const bool replaces = replace_track(still.role, still.info);
         notes_.push_back(file + " is " + std::string(role_name(still.role)) +
                          (still.at ? ", frame by frame" : " of every frame") +
@@ -162,20 +161,12 @@ bool ChangedClip::replace_track(PlaneRole role, TrackInfo track) {
         return role_named(each.role).value_or(PlaneRole::height);
     };
     track.role = role_name(role);
+    std::erase_if(notes_, [role](const ClipNote& note) { return note.plane == role; });
     const bool had_one =
         std::erase_if(tracks_, [&](const TrackInfo& each) { return each.role == track.role; });
     const auto after = std::ranges::find_if(tracks_, [&](const auto& each) { return role_of(each) > role; });
     tracks_.insert(after, std::move(track));
     return had_one;
-}
-
-void ChangedClip::forget_notes_of(PlaneRole role) {
-    const std::string beginning = std::string(role_name(role)) + " is ";
-    const auto of_none =
-        role == PlaneRole::haptic ? default_touch_note(false, inner().scene()) : std::nullopt;
-    std::erase_if(notes_, [&](const std::string& note) {
-        return note.starts_with(beginning) || (of_none && note == *of_none);
-    });
 }
 
 Result<std::unique_ptr<ClipReader>> part_of_clip(std::unique_ptr<ClipReader> clip, const ClipPart& part) {

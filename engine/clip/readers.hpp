@@ -40,7 +40,7 @@ public:
     UnstatedFilters unstated_filters() const override { return reader_->unstated_filters(); }
     const std::vector<TrackInfo>& tracks() const override { return reader_->tracks(); }
     std::optional<std::int64_t> frame_count() const override { return reader_->frame_count(); }
-    const std::vector<std::string>& notes() const override { return reader_->notes(); }
+    const std::vector<ClipNote>& notes() const override { return reader_->notes(); }
     std::span<const Camera> frame_cameras() const override { return reader_->frame_cameras(); }
     Result<std::optional<RawFrame>> next() override {
         auto frame = reader_->next();
@@ -77,7 +77,7 @@ class ChangedClip : public ReaderAround {
 public:
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
+    const std::vector<ClipNote>& notes() const override { return notes_; }
 
     /// With another scene, and a note on that; empty: none.
     ChangedClip(std::unique_ptr<ClipReader> clip, Scene scene, std::string note = {})
@@ -92,14 +92,13 @@ protected:
           scene_(inner().scene()),
           tracks_(inner().tracks()),
           notes_(inner().notes()) {}
-    /// Inserts a track in the order of roles, replacing that of its role. Returns whether there was one.
+    /// Inserts a track in the order of roles, replacing that of its role and the notes on it. Returns whether
+    /// there was one.
     bool replace_track(PlaneRole role, TrackInfo track);
-    /// Removes notes on a plane that is not there any more, or on its absence.
-    void forget_notes_of(PlaneRole role);
 
     Scene scene_;
     std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
+    std::vector<ClipNote> notes_;
 };
 
 /// Which frames and pixels of a clip.
@@ -128,7 +127,7 @@ struct StillPlane {
     Plane plane;                                 ///< of any size: as stored, or resampled already
     TrackInfo info;                              ///< how it is stored
     std::vector<std::filesystem::path> files{};  ///< read for it; first the one that the user named
-    std::vector<std::string> notes{};
+    std::vector<ClipNote> notes{};
     /// If it changes: returns the plane of a frame, which fits the scene, by its number and time.
     std::function<Result<Plane>(std::int64_t frame, std::int64_t time_ns)> at{};
 };
@@ -251,7 +250,7 @@ public:
     UnstatedFilters unstated_filters() const final { return unstated_filters_; }
     const std::vector<TrackInfo>& tracks() const final { return tracks_; }
     std::optional<std::int64_t> frame_count() const final { return std::nullopt; }
-    const std::vector<std::string>& notes() const final { return notes_; }
+    const std::vector<ClipNote>& notes() const final { return notes_; }
     Result<std::optional<RawFrame>> next() final;
     Result<void> rewind() final { return seek(0); }
     Result<void> seek(std::int64_t frame) final;
@@ -296,7 +295,7 @@ protected:
     const std::string name_;
     Scene scene_;
     std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
+    std::vector<ClipNote> notes_;
     /// Counts of frames, for remarks.
     std::atomic<std::int64_t> damaged_{0}, repeated_{0};
 

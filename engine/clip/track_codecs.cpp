@@ -203,13 +203,13 @@ std::optional<int> rank_zstd_version(const AVCodecParameters& stored) {
     return own ? std::optional(own->version) : std::nullopt;
 }
 
-std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec) {
+std::optional<ClipNote> lossy_note(PlaneRole role, const std::string& codec) {
     const auto is_stored = [&](const ReadCodec& one) { return codec == avcodec_get_name(one.id); };
     const auto* const stored = std::ranges::find_if(read_codecs, is_stored);
     if (role == PlaneRole::colour || stored == read_codecs.end() || !stored->lossy) return std::nullopt;
-    return std::string(role_name(role)) + " is stored as " + codec +
-           ", which changes values: what is felt is not quite what was recorded (ffv1, png and t3d2 keep "
-           "every value)";
+    return ClipNote(role, "stored as " + codec +
+                              ", which changes values: what is felt is not quite what was recorded (ffv1, "
+                              "png and t3d2 keep every value)");
 }
 
 Result<void> check_is_read(const AVCodecParameters& stored, const std::string& where) {

@@ -30,7 +30,7 @@ namespace touchable {
 /// A codec's name: FFmpeg's; "t3dz" or "t3d2" for ours; the FourCC of an unknown one.
 std::string codec_name(const AVCodecParameters& stored);
 /// The note if a plane of touch was stored by a lossy codec (its `codec_name`); otherwise nullopt.
-std::optional<std::string> lossy_note(PlaneRole role, const std::string& codec);
+std::optional<ClipNote> lossy_note(PlaneRole role, const std::string& codec);
 
 /// How a track is encoded. All but the last two keep every sample (docs/codecs.md).
 enum class TrackCoding {

@@ -27,7 +27,7 @@ using Opened = Result<std::unique_ptr<ClipReader>>;
 /// which its remarks name.
 struct GuessedScene : SceneDescription {
     std::vector<std::filesystem::path> inputs{};  ///< files read for it, other than pictures
-    std::vector<std::string> notes{};             ///< come before the reader's own notes
+    std::vector<ClipNote> notes{};                ///< come before the reader's own notes
     // Files opened for the guess, so that the clip need not open them again.
     std::shared_ptr<ReadPictures> pictures{};  ///< of a folder or a single picture
     std::shared_ptr<VideoFile> video{};        ///< a video's depth, or a folder's colour
@@ -111,7 +111,7 @@ Opened open_videos(const std::filesystem::path& folder, const GuessedScene& desc
 /// The pictures of a video whose halves are depth and colour, with nothing between them. `notes` gets a
 /// remark if the depth is to be hue and is grey.
 std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video,
-                                                std::vector<std::string>& notes);
+                                                std::vector<ClipNote>& notes);
 
 // lerobot.cpp
 

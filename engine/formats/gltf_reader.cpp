@@ -216,7 +216,7 @@ struct GltfLayer {
 struct GltfTouch {
     std::array<std::optional<GltfLayer>, 3> properties;  ///< as property_names
     std::optional<GltfLayer> height;
-    std::vector<std::string> notes{};  ///< what is not used
+    std::vector<ClipNote> notes{};  ///< what is not used
 };
 
 constexpr const char* haptic_extension = "MPEG_haptic_material";

@@ -510,10 +510,8 @@ private:
     Result<T> as_named(Result<T> result) const {
         if (result) return result;
         Error error = result.error();
-        const std::string hidden = hidden_.path().string(), home = place_.parent_path().string();
-        for (auto at = error.message.find(hidden); at != std::string::npos;
-             at = error.message.find(hidden, at + home.size()))
-            error.message.replace(at, hidden.size(), home.empty() ? "." : home);
+        const fs::path home = place_.parent_path();
+        error.message = shown_as(error.message, hidden_.path(), home.empty() ? "." : home);
         return error;
     }
 

@@ -347,19 +347,22 @@ private:
     /// Notes where materials get their properties from, or that nothing states these.
     void tell_of_materials(StoredClip& clip) {
         if (materials_)
-            clip.notes.push_back("haptic is that of " + std::to_string(clip.described.materials.size()) +
-                                 " materials, by their indices; other indices have the default properties");
+            clip.notes.push_back(
+                {PlaneRole::haptic,
+                 "that of " + std::to_string(clip.described.materials.size()) +
+                     " materials, by their indices; other indices have the default properties"});
         const bool has_haptic = std::ranges::count(tracks_, PlaneRole::haptic, &Track::role) > 0;
         if (has_haptic) return;
         const auto looked = pictures_->look(file(tracks_.front(), 0));
         if (!looked || !(*looked)->beside || !(*looked)->beside->materials) return;
         const std::string list = listed(indices_in(*(*looked)->beside->materials),
                                         [](int index) { return std::to_string(index); });
-        clip.notes.push_back("haptic is not there: the files have material indices (" +
-                             (*looked)->beside->materials_name + ": " + list +
-                             "), but nothing says what they feel like: haptic.materials in a scene file "
-                             "does, with folder.haptic as folder.depth (docs/scene_file.md; touchable "
-                             "init-scene writes one to begin with)");
+        clip.notes.push_back(
+            {PlaneRole::haptic, "not there: the files have material indices (" +
+                                    (*looked)->beside->materials_name + ": " + list +
+                                    "), but nothing says what they feel like: haptic.materials in a scene "
+                                    "file does, with folder.haptic as folder.depth (docs/scene_file.md; "
+                                    "touchable init-scene writes one to begin with)"});
     }
 
     fs::path folder_;

@@ -215,10 +215,12 @@ Opened open_mp4_stills(const Candidate& candidate) {
     clip.count = 1;
     if (!candidate.scene) {
         TRY_ASSIGN(const auto depth, pictures->stored(PlaneRole::depth));
+        std::vector<std::string> notes;
         TRY_ASSIGN(clip.described,
                    error_at(file.string() + ": its MPEG-4 scene",
                             mpeg4::described_by_pictures(scene->nodes, depth.image.width, depth.image.height,
-                                                         depth.bits, clip.notes)));
+                                                         depth.bits, notes)));
+        clip.notes.insert(clip.notes.end(), notes.begin(), notes.end());
         if (clip.described.scene.name.empty()) clip.described.scene.name = file.path().stem().string();
     }
     clip.described.scene.folder.reset();

@@ -69,7 +69,7 @@ public:
     Result<void> open() {
         TRY(look_at_cameras());
         if (lens_.any())
-            notes_.push_back(
+            notes_.emplace_back(
                 "the lens of the depth camera is undone: each pixel has the depth of the nearest "
                 "one that was stored");
         const bool has_colour =

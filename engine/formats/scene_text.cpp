@@ -40,8 +40,9 @@ public:
             described = std::move(other);
         }
         const auto open_planes = described.scene.video ? open_videos : open_image_folder;
-        auto reader = open_planes(folder_, {std::move(described), {}, notes_, pictures_, video_},
-                                  file_.wanted.colour, DepthAlignment::automatic);
+        auto reader = open_planes(
+            folder_, {std::move(described), {}, {notes_.begin(), notes_.end()}, pictures_, video_},
+            file_.wanted.colour, DepthAlignment::automatic);
         if (reader) (*reader)->add_input(source_.path());
         return reader;
     }

@@ -40,7 +40,7 @@ public:
     UnstatedFilters unstated_filters() const override { return clip_.described.unstated.filters; }
     const std::vector<TrackInfo>& tracks() const override { return infos_; }
     std::optional<std::int64_t> frame_count() const override { return clip_.count; }
-    const std::vector<std::string>& notes() const override { return clip_.notes; }
+    const std::vector<ClipNote>& notes() const override { return clip_.notes; }
     std::span<const Camera> frame_cameras() const override { return clip_.cameras; }
 
     Result<std::optional<RawFrame>> next() override {
@@ -73,7 +73,7 @@ private:
         Plane newest{};
     };
 
-    void note(std::optional<std::string> said) {
+    void note(std::optional<ClipNote> said) {
         if (said) clip_.notes.push_back(std::move(*said));
     }
 

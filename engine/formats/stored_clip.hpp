@@ -61,7 +61,7 @@ struct StoredClip {
     std::vector<PlaneRole> roles{};  ///< of its tracks, depth first
     SceneDescription::FoundInClip found{};
     std::vector<Camera> cameras{};  ///< one a frame; empty: all have the scene's
-    std::vector<std::string> notes{};
+    std::vector<ClipNote> notes{};
     std::vector<std::filesystem::path> inputs{};
     /// Applies to depth without a scale; to other depth only if `on`.
     DepthAlignment alignment = DepthAlignment::automatic;

@@ -59,7 +59,7 @@ struct LayerPicture {
 };
 /// `notes` gets what is lost.
 Result<LayerPicture> read_layer(const LinkedFile& link, int channel, std::string_view property,
-                                std::vector<std::string>& notes) {
+                                std::vector<ClipNote>& notes) {
     TRY_ASSIGN(const auto bytes, bytes_of(link));
     const std::string where = link.name + " (" + std::string(property) + ")";
     TRY_ASSIGN(auto stored, decode_stored_image(std::string(*bytes), where));
@@ -121,7 +121,7 @@ std::string property_words(std::size_t property, const PropertyRange& range, boo
 /// smaller; others are resampled to the nearest pixel. Pictures must be of integers: of grey 8 bits are kept,
 /// of colour a channel. `scene` gets the ranges and remarks.
 Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Scene& scene) {
-    std::vector<std::string> notes = std::move(layers.notes);
+    std::vector<ClipNote> notes = std::move(layers.notes);
     TrackInfo info{"haptic", std::string(format), "rgb24", 0, 0};
     Image joined{0, 0, 1, 3, {}};
     LayerPicture last;
@@ -152,7 +152,7 @@ Result<StillPlane> join_layers(HapticLayers layers, std::string_view format, Sce
     }
     const auto& [stiffness, held, sliding] = layers.properties;
     if (sliding.range.max > held.range.max)
-        notes.push_back(
+        notes.emplace_back(
             "dynamic friction goes beyond static friction: where it is above, both are as the static one");
     scene.remarks = joined_remarks(std::move(scene.remarks), layers.remarks);
     scene.haptic = {stiffness.range, held.range, sliding.range};

@@ -45,7 +45,7 @@ struct HapticLayer {
 /// A surface's stiffness (N/mm), static and dynamic friction.
 struct HapticLayers {
     std::array<HapticLayer, 3> properties;
-    std::vector<std::string> notes{};
+    std::vector<ClipNote> notes{};
     std::vector<Remark> remarks{};               ///< what was assumed of their values
     std::vector<std::filesystem::path> files{};  ///< files that were read, the surface's own first
 };

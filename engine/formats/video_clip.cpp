@@ -287,14 +287,14 @@ public:
         return first->code_range(source_.values);
     }
     /// Adds a remark if depth is said to be hue and frame 0 is grey.
-    void doubt_hue(std::vector<std::string>& notes) {
+    void doubt_hue(std::vector<ClipNote>& notes) {
         if (source_.values != VideoValues::hue) return;
         const auto first = read_depth(0);
         if (!first) return;
         const int width = (*first)->width(), height = (*first)->height();
         const auto part = depth_part(source_.layout, width, height, bar_of(width, height));
         if (part && values_in(**first, *part) == VideoValues::grey)
-            notes.push_back(
+            notes.emplace_back(
                 "depth is said to be hue, but frame 0 is grey in three channels: its hues are noise");
     }
 
@@ -456,7 +456,7 @@ Opened open_videos(const fs::path& folder, const GuessedScene& described, Colour
 }
 
 std::shared_ptr<FrameSource> pictures_of_halves(const VideoSource& source, std::shared_ptr<VideoFile> video,
-                                                std::vector<std::string>& notes) {
+                                                std::vector<ClipNote>& notes) {
     auto pictures = std::make_shared<VideoPictures>(source, PictureSize(), std::move(video));
     pictures->doubt_hue(notes);
     return pictures;

@@ -192,11 +192,6 @@ Result<void> unpack_member(const ZipArchive& archive, const ZipMember& member, c
     return {};
 }
 
-void replace_all(std::string& text, const std::string& old, const std::string& other) {
-    for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old, at + other.size()))
-        text.replace(at, old.size(), other);
-}
-
 /// First base of ZipReader: the folder is removed after the other base has closed its files.
 struct KeptFolder {
     std::shared_ptr<ZipFolder> folder;
@@ -278,9 +273,7 @@ bool ZipFolder::has(const fs::path& file) const {
 }
 
 std::string ZipFolder::named(std::string message) const {
-    replace_all(message, root_.string(), archive_.string());
-    replace_all(message, temporary_->path().string(), archive_.string());
-    return message;
+    return shown_as(shown_as(std::move(message), root_, archive_), temporary_->path(), archive_);
 }
 
 std::unique_ptr<ClipReader> with_zip_folder(std::unique_ptr<ClipReader> clip,

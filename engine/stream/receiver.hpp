@@ -214,7 +214,7 @@ public:
     const Scene& scene() const { return scene_; }
     const SceneDescription::Unstated& unstated() const { return unstated_; }
     const std::vector<TrackInfo>& tracks() const { return tracks_; }
-    const std::vector<std::string>& notes() const { return notes_; }
+    const std::vector<ClipNote>& notes() const { return notes_; }
     /// Whether both have the same scene and planes.
     bool is_like(const StreamReceiver& other) const {
         const auto is_same = [](const TrackInfo& a, const TrackInfo& b) {
@@ -264,7 +264,7 @@ private:
     SceneDescription::Unstated unstated_;
     std::optional<FramesetAssembler> assembler_;
     std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
+    std::vector<ClipNote> notes_;
     std::optional<Received> first_;
     bool with_colour_ = true, has_ended_ = false;
 };

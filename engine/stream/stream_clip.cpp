@@ -22,7 +22,7 @@ public:
     UnstatedFilters unstated_filters() const override { return receiver_->unstated().filters; }
     const std::vector<TrackInfo>& tracks() const override { return receiver_->tracks(); }
     std::optional<std::int64_t> frame_count() const override { return std::nullopt; }
-    const std::vector<std::string>& notes() const override { return receiver_->notes(); }
+    const std::vector<ClipNote>& notes() const override { return receiver_->notes(); }
 
     Result<std::optional<RawFrame>> next() override {
         if (position_ < std::ssize(first_))

@@ -192,7 +192,7 @@ void add_filter_options(CLI::App& sub, ClipTyped& typed) {
                     "which filters clean depth, instead of the scene's. auto: what the first frames need; "
                     "off: none; or a comma-separated list of filters to enable")
         ->type_name(type_with_words("LIST", parts));
-    add_number_option(sub, "--detail", clip.detail, detail_words, 0, 1);
+    add_number_option(sub, "--detail", clip.single_filters.measured.detail, detail_words, 0, 1);
     for (const FilterSetting& setting : filter_settings()) {
         if (!*setting.what) continue;
         const auto read = [&clip, &setting](const std::string& word) -> Result<void> {
@@ -220,11 +220,11 @@ void add_filtered_options(CLI::App& sub, ClipTyped& typed, const std::string& ve
 Result<ClipChoice> read_clip(const ClipTyped& typed) {
     ClipChoice choice = typed.choice;
     const bool has_filters = choice.filters.stated.any() || choice.filters.measured.any() ||
-                             choice.single_filters.stated.any() || choice.detail;
+                             choice.single_filters.stated.any() || choice.single_filters.measured.detail;
     if (has_filters && typed.filters_need_filtered && !typed.filtered)
         return usage_error("filters are for --filtered: add it, or leave them out");
     TRY_ASSIGN(choice.camera, read_camera(typed.camera));
-    if (choice.detail && choice.filters.stated.any())
+    if (choice.single_filters.measured.detail && choice.filters.stated.any())
         return usage_error(
             "--detail chooses filters, and --filters states them: give one, or --filters auto");
     return choice;

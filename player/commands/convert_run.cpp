@@ -198,12 +198,9 @@ Result<void> check_places(const ConvertOptions& options, const ClipReader& reade
 Error as_named(Error error, const ConvertOptions& options, const fs::path& written) {
     const bool is_file = options.form == ClipForm::archive || options.form == ClipForm::mp4_still ||
                          options.form == ClipForm::lerobot;
-    const std::string hidden = (is_file ? written : written.parent_path()).string();
     const fs::path folder = options.out.has_parent_path() ? options.out.parent_path() : fs::path(".");
-    const std::string name = (is_file || options.form == ClipForm::folder ? options.out : folder).string();
-    for (auto at = error.message.find(hidden); at != std::string::npos;
-         at = error.message.find(hidden, at + name.size()))
-        error.message.replace(at, hidden.size(), name);
+    error.message = shown_as(error.message, is_file ? written : written.parent_path(),
+                             is_file || options.form == ClipForm::folder ? options.out : folder);
     return error;
 }
 

@@ -77,6 +77,13 @@ std::size_t kept_bytes_of(const RawFrame& frame) {
 }
 
 void apply(const ClipChoice::Filters& choice, FilterSettings& filter, FilterSet& unstated) {
+    if (choice.measured.any()) unstated.detail.reset();
+    if (choice.measured.detail) {
+        unstated.detail = choice.measured.detail;
+        unstated.median = unstated.terraces = unstated.temporal = unstated.terrace_reach = true;
+        filter.levels = {};
+        filter.terrace_reach = least_terrace_reach;
+    }
     for (const FilterSetting& setting : filter_settings()) {
         if (!setting.open || !(choice.stated.*setting.open || choice.measured.*setting.open)) continue;
         setting.copy(choice.settings, filter);
@@ -92,13 +99,6 @@ Result<SceneDescription> applied(const ClipChoice& choice, SceneDescription desc
     Scene& scene = described.scene;
     FilterSet& unstated = described.unstated.filters;
     apply(choice.filters, scene.filter, unstated);
-    if (choice.filters.measured.any()) unstated.detail.reset();
-    if (choice.detail) {
-        unstated.detail = choice.detail;
-        unstated.median = unstated.terraces = unstated.temporal = unstated.terrace_reach = true;
-        scene.filter.levels = {};
-        scene.filter.terrace_reach = least_terrace_reach;
-    }
     apply(choice.single_filters, scene.filter, unstated);
     if (choice.interpolation) scene.interpolation = *choice.interpolation;
     // Terrace removal depends on the level spacing and the temporal filter on noise; neither is measured yet.

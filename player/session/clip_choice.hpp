@@ -205,7 +205,7 @@ struct ClipChoice {
     /// The user's filter settings. Filters neither stated nor to be measured keep the clip's own settings.
     struct Filters {
         FilterSettings settings{};  ///< values of the stated filters; levels and terrace_noise are ignored
-        FilterSet stated{}, measured{};  ///< no filter is in both
+        FilterSet stated{}, measured{};  ///< no filter is in both; a detail opens smoothing not stated here
 
         /// Every filter of `--filters`, off.
         static Filters off();
@@ -227,7 +227,6 @@ struct ClipChoice {
     SourceDescription camera;         ///< of pictures without a scene file
     StillMaps maps;                   ///< in place of what it has itself
     Filters filters, single_filters;  ///< all at once; single filters, applied after
-    std::optional<double> detail;     ///< FilterSet::detail, of smoothing not stated by single filters
     std::optional<FrameInterpolation> interpolation;
     DepthAlignment alignment = DepthAlignment::automatic;  ///< of depth without a scale
     bool fill_from_motion = false;                         ///< fill holes from frames that saw behind them

@@ -88,14 +88,13 @@ std::vector<SessionSetting> all_settings() {
          .of = filters,
          .range = {.words = {"clip", "auto", "off"}},
          .set = [](double place, SessionOptions& options) {
-             options.clip.single_filters = {};  // drops single filters' settings
-             options.clip.detail.reset();
+             options.clip.single_filters = {};  // drops single filters' settings, and detail
              options.clip.filters =
                  place == 2 ? ClipChoice::Filters::off() : ClipChoice::Filters{.measured = all_unstated};
          }}};
     const SettingRange details{.most = 1};
     all.push_back({"detail", detail_words, filters, details,
-                   [](double value, SessionOptions& options) { options.clip.detail = value; },
+                   [](double value, SessionOptions& run) { run.clip.single_filters.measured.detail = value; },
                    [details](const TouchSetup& setup) {
                        const bool is_known = setup.filters && setup.filters->measured;
                        const auto detail =

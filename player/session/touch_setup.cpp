@@ -39,8 +39,7 @@ constexpr int device_log_ticks = 4096;
 Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frames) {
     SessionOptions& options = setup.options;
     BuilderChoice& choice = options.builder;
-    const bool is_auto = choice.name == "auto";
-    if (is_auto) {
+    if (choice.name == "auto") {
         const bool named = choice.names_gpu();
         bool drawn = options.drawn;
         if (named) {
@@ -55,15 +54,10 @@ Result<void> choose_builder(TouchSetup& setup, std::optional<std::int64_t> frame
         choice.why = pick.why;
         choice.gpu_fallback = pick.name == "vulkan";
     }
-    if (choice.name != "lazy") return {};
     const bool averages = setup.filters && setup.filters->chosen.temporal && setup.scene.filter.temporal;
-    const bool measured = is_auto && choice.error_bars;
-    if (!averages && !options.watched && !measured) return {};
+    if (choice.name != "lazy" || !averages) return {};
     choice.name = "cpu";
-    choice.why =
-        averages ? "the clip's noise is averaged over time, which needs whole frames, not the lazy builder"
-        : options.watched ? "whole frames are shown, which the lazy builder does not make"
-                          : "error bars need whole frames, which the lazy builder does not make";
+    choice.why = "the clip's noise is averaged over time, which needs whole frames, not the lazy builder";
     return {};
 }
 

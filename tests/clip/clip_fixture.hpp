@@ -206,7 +206,7 @@ public:
     const Scene& scene() const override { return scene_; }
     const std::vector<TrackInfo>& tracks() const override { return tracks_; }
     std::optional<std::int64_t> frame_count() const override { return count_; }
-    const std::vector<std::string>& notes() const override { return notes_; }
+    const std::vector<ClipNote>& notes() const override { return notes_; }
     Result<void> rewind() override {
         number_ = 0;
         return {};
@@ -215,7 +215,7 @@ public:
     Scene scene_;
     const std::optional<std::int64_t> count_;
     std::vector<TrackInfo> tracks_;
-    std::vector<std::string> notes_;
+    std::vector<ClipNote> notes_;
     std::int64_t number_ = 0;  ///< of the next frame
 };
 

@@ -128,7 +128,7 @@ protected:
     }
     std::string note() const {
         const auto reader = opened(folder.path());
-        for (const std::string& each : reader ? reader->notes() : std::vector<std::string>())
+        for (const std::string& each : reader ? reader->notes() : std::vector<ClipNote>())
             if (each.find("camera stood") != std::string::npos || each.find("poses") != std::string::npos)
                 return each;
         return "";

@@ -51,11 +51,6 @@ std::vector<int> channel_of(const PlaneView& plane, int channel) {
     return codes;
 }
 
-bool has_note(const std::vector<std::string>& notes, const std::string& words) {
-    return std::any_of(notes.begin(), notes.end(),
-                       [&](const std::string& note) { return note.find(words) != std::string::npos; });
-}
-
 void expect_range(const PropertyRange& range, double least, double most) {
     EXPECT_NEAR(range.min, least, 1e-12);
     EXPECT_NEAR(range.max, most, 1e-12);

@@ -14,6 +14,7 @@
 #include "engine/clip/readers.hpp"
 #include "engine/formats/stored_clip.hpp"
 #include "engine/formats/value_evidence.hpp"
+#include "tests/clip_notes.hpp"
 #include "tests/picture/results.hpp"
 #include "tests/sweep.hpp"
 
@@ -137,9 +138,7 @@ TEST_F(StoredClips, BorrowDecoderSamples) {
     }
     EXPECT_EQ(clip->tracks().front().codec, "h264");
     EXPECT_EQ(clip->tracks().front().width, fake_wide);
-    EXPECT_TRUE(std::ranges::any_of(clip->notes(), [](const std::string& note) {
-        return note.find("depth is stored as h264") != std::string::npos;
-    }));
+    EXPECT_TRUE(has_note(clip->notes(), "depth is stored as h264"));
 }
 
 /// A metre in frame 0, and a centimetre more in each.

@@ -189,17 +189,11 @@ TEST(Modules, CoverEachProductFile) {
     EXPECT_GT(folders.size(), 15u);
 }
 
-TEST(Modules, HaveTheirListedHeaders) {
-    for (const auto& [name, module] : modules())
-        for (const std::string& header : module.headers)
-            EXPECT_TRUE(fs::exists(source(module.folder) / header)) << name << " has no " << header;
-}
-
 TEST(Modules, StateThreadsInPublicHeaders) {
     for (const auto& [name, module] : modules())
         for (const std::string& header : module.headers)
             EXPECT_NE(text_of(source(module.folder) / header).find("\n// Threads: "), std::string::npos)
-                << module.folder << '/' << header << " does not say which threads may use it";
+                << module.folder << '/' << header << " is not there, or does not say what threads may use";
 }
 
 TEST(Modules, IncludeOnlyPublicHeaders) {
@@ -276,9 +270,8 @@ std::vector<std::string> literals_of(const std::string& code) {
 
 /// Whether "--fov" or its like is in a text.
 bool names_an_option(const std::string& text) {
-    for (std::size_t at = text.find("--"); at != std::string::npos; at = text.find("--", at + 2))
-        if (at + 2 < text.size() && std::islower(static_cast<unsigned char>(text[at + 2]))) return true;
-    return false;
+    static const std::regex option("--[a-z]");
+    return std::regex_search(text, option);
 }
 
 TEST(Modules, LiteralsAreFoundInCode) {
@@ -357,14 +350,20 @@ TEST(Modules, AvoidLibraryRounding) {
 
 // Pages refer to each other by links: each leads to a file that is there, and to a heading of it.
 
+/// All files of the project, without what is made in its folder.
+std::vector<fs::path> all_files() {
+    const Names left_out{"build", "out", ".git", ".cache"};
+    std::vector<fs::path> files;
+    for (fs::recursive_directory_iterator at(source("")), end; at != end; ++at) {
+        if (at.depth() == 0 && left_out.contains(at->path().filename())) at.disable_recursion_pending();
+        if (at->is_regular_file()) files.push_back(at->path());
+    }
+    return files;
+}
+
 std::vector<fs::path> pages() {
-    std::vector<fs::path> found;
-    const fs::path root = TOUCHABLE_SOURCE_DIR;
-    for (const char* folder : {"docs", "bench", "shaders", "examples", "python", "capi", "tests"})
-        for (const auto& entry : fs::recursive_directory_iterator(root / folder))
-            if (entry.path().extension() == ".md") found.push_back(entry.path());
-    for (const auto& entry : fs::directory_iterator(root))
-        if (entry.path().extension() == ".md") found.push_back(entry.path());
+    std::vector<fs::path> found = all_files();
+    std::erase_if(found, [](const fs::path& file) { return file.extension() != ".md"; });
     return found;
 }
 
@@ -414,14 +413,24 @@ TEST(Links, LeadToExistingHeadings) {
                 const std::size_t sharp = std::min(to.find('#'), to.size());
                 const fs::path file = sharp == 0 ? page : page.parent_path() / to.substr(0, sharp);
                 ++checked;
-                if (!fs::exists(file)) {
-                    ADD_FAILURE() << page << ": " << to << " is not there";
-                    continue;
-                }
+                EXPECT_TRUE(fs::exists(file)) << page << ": " << to << " is not there";
                 const bool names_heading = sharp < to.size() && file.extension() == ".md";
                 EXPECT_TRUE(!names_heading || anchors_of(file).contains(to.substr(sharp + 1)))
                     << page << ": " << to << " is no heading there";
             }
+    EXPECT_GT(checked, 200);
+}
+
+TEST(Pages, NameExistingFiles) {
+    static const std::regex name(R"(`([\w./-]+\.(cpp|hpp|h|c|comp|vert|frag|js|py|cmake))`)");
+    std::string files;
+    for (const fs::path& file : all_files()) files += file.string() + '\n';
+    int checked = 0;
+    for (const fs::path& page : pages())
+        for (const std::string& line : lines_of(page))
+            for (std::sregex_iterator at(line.begin(), line.end(), name), end; at != end; ++at, ++checked)
+                EXPECT_NE(files.find('/' + (*at)[1].str() + '\n'), std::string::npos)
+                    << page << ": there is no " << (*at)[1];
     EXPECT_GT(checked, 200);
 }
 
@@ -501,12 +510,11 @@ TEST(PrivateHeaders, ListOnlyShrinks) {
 
 TEST(RealData, IsFoundByOneFunction) {
     int files = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(TOUCHABLE_SOURCE_DIR) / "tests")) {
+    for (const auto& entry : fs::recursive_directory_iterator(source("tests"))) {
         const fs::path& file = entry.path();
-        if (file.extension() != ".cpp" && file.extension() != ".hpp") continue;
-        if (file.filename() == "real_data.hpp" || file.filename() == "modules_test.cpp") continue;
-        std::ifstream in(file);
-        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        if (!is_code(file) || file.filename() == "real_data.hpp" || file.filename() == "modules_test.cpp")
+            continue;
+        const std::string text = text_of(file);
         ++files;
         for (const char* way : {"TOUCHABLE_TEST_DATA", "shared/data"})
             EXPECT_EQ(text.find(way), std::string::npos)
@@ -520,13 +528,9 @@ TEST(RealData, IsFoundByOneFunction) {
 TEST(Licence, IsNamedBySources) {
     const Names kinds{".cpp", ".hpp", ".h",    ".c",     ".comp", ".vert", ".frag",          ".js", ".py",
                       ".sh",  ".awk", ".bash", ".cmake", ".css",  ".html", "CMakeLists.txt", "run"};
-    const Names left_out{"build", "out", ".git", ".cache"};  // made here
     int files = 0;
-    for (fs::recursive_directory_iterator at(source("")), end; at != end; ++at) {
-        const fs::path& file = at->path();
-        if (at.depth() == 0 && left_out.contains(file.filename())) at.disable_recursion_pending();
-        if (!at->is_regular_file() || !(kinds.contains(file.extension()) || kinds.contains(file.filename())))
-            continue;
+    for (const fs::path& file : all_files()) {
+        if (!kinds.contains(file.extension()) && !kinds.contains(file.filename())) continue;
         const std::string text = text_of(file);
         EXPECT_LT(text.find("SPDX-License-Identifier: Apache-2.0"), 100U) << file;
         ++files;

@@ -189,7 +189,7 @@ class ManyRecordings(unittest.TestCase):
         soak.write_text("#!/bin/bash\n[[ $* == --list ]] && printf 'one: x\\ntwo: y\\n\\nscenes: z\\n' && exit\n"
                         "echo \"contact; certified $4 (way), compared 2 (basins)\"; echo force_hash $2$4$6\n"
                         "[[ $2$4 == two8 ]] && echo 'touchable-soak: 3 violations' >&2 && exit 1\n"
-                        "[[ $2$4 != one7 ]] || { echo 'touchable-soak: the run is empty: no contact' >&2; exit 1; }")
+                        "[[ $2$4 != one7 ]] || { echo 'touchable-soak: the run is empty: no contact' >&2; exit 3; }")
         soak.chmod(0o755)
         with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
             with distributed.Client(cluster) as client, touchable.open(globe()) as clip:
