@@ -19,6 +19,11 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_GREATER_EQUAL 13)
   add_compile_options(-Wno-array-bounds -Wno-free-nonheap-object -Wno-stringop-overflow -Wno-maybe-uninitialized)
 endif()
+# GCC's own collector does not run. Of seven large units user time fell by 6 to 16 % (GCC 12: formats 28.7 to 24.2 s,
+# test_commands 20.7 to 17.6, clip 17.8 to 15.9, haptics 18.0 to 16.9), memory rose by 0.1 to 0.7 GB, to 2.3 at most.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(--param=ggc-min-expand=1000 --param=ggc-min-heapsize=4000000)
+endif()
 if(TOUCHABLE_WERROR)
   add_compile_options(-Werror)
 endif()
