@@ -103,14 +103,12 @@ private:
 /// The object of a touch_solver.
 struct SolverObject {
     SolverObject(Reading of_surface, const TouchSolver& solver, const GuardSettings& guard, int fingers)
-        : surface(std::move(of_surface)),
-          run(surface->queue, nullptr, solver, guard, fingers) {}
+        : surface(std::move(of_surface)), run(surface->queue, nullptr, solver, guard, fingers) {}
 
     const Reading surface;
     std::atomic_flag ticking = ATOMIC_FLAG_INIT;  ///< guards the members below
     TouchRun run;
     std::optional<std::int64_t> last_tick;
-    FramePair pair;
 };
 
 constexpr auto solvers = handles<SolverObject, 3, Forked::refused>;
@@ -371,8 +369,7 @@ void run_tick(SolverObject& solver, std::int64_t tick, const MediaMoment& moment
               unsigned char* contacts, std::size_t stride) {
     const std::span<glm::dvec3> to = solver.run.goals();
     for (std::size_t k = 0; k < to.size(); ++k) to[k] = {goals[k].x, goals[k].y, goals[k].z};
-    solver.surface->queue.timeline().pair_at(moment, solver.pair);
-    solver.run.meet(tick, moment.time_ns, solver.pair);
+    solver.run.meet(tick, moment);
     const TouchTick done = solver.run.solve();
     for (std::size_t k = 0; k < to.size(); ++k)
         write_contact(contact_of(done.contacts[k], done.forces[k]), contacts + k * stride, stride);
@@ -389,6 +386,18 @@ Scene without_friction(Scene scene) {
     scene.default_properties.static_friction = scene.default_properties.dynamic_friction = 0;
     scene.haptic.static_friction = scene.haptic.dynamic_friction = {};
     return scene;
+}
+
+/// Calls `use` with what a solver remembers, once it has ticked.
+touch_status with_saved(touch_solver solver, auto&& use) {
+    return without_exceptions(nullptr, [&]() -> touch_status {
+        bool has_ticked = false;
+        const touch_status found = with_object(solvers(), solver, &SolverObject::ticking, [&](auto& object) {
+            has_ticked = object.last_tick.has_value();
+            if (has_ticked) use(object.run.save());
+        });
+        return found == TOUCH_OK && !has_ticked ? TOUCH_USAGE : found;
+    });
 }
 
 constexpr std::size_t resting_at_a_time = 8;  // few, because all tick until the last one rests
@@ -628,8 +637,8 @@ touch_status touch_surface_filtered(touch_surface surface, const touch_filtered*
         if (!pushed) return usage_error("no frame was pushed yet; push the first one before");
         TRY_ASSIGN(const auto metres,
                    rows_for("metres", filtered->metres, filtered->metres_stride_bytes, pushed->width));
-        TRY_ASSIGN(const auto normals, rows_for("normals", filtered->normals, filtered->normals_stride_bytes,
-                                                3 * pushed->width));
+        TRY_ASSIGN(const auto normals,
+                   rows_for("normals", filtered->normals, filtered->normals_stride_bytes, 3 * pushed->width));
         TRY_ASSIGN(const auto degrees, rows_for("error_degrees", filtered->error_degrees,
                                                 filtered->error_degrees_stride_bytes, pushed->width));
         if (degrees.data && use->settings.error_bars == 0)
@@ -707,6 +716,42 @@ touch_status touch_solver_force_hash(touch_solver solver, uint64_t* hash) {
     if (!hash) return TOUCH_USAGE;
     return with_object(solvers(), solver, &SolverObject::ticking,
                        [&](const auto& object) { *hash = object.run.hash().value(); });
+}
+
+touch_status touch_solver_save(touch_solver solver, void* state, size_t capacity, size_t* length) {
+    if (!length || (!state && capacity > 0)) return TOUCH_USAGE;
+    return with_saved(solver, [&](const std::vector<std::uint8_t>& saved) {
+        *length = saved.size();
+        if (capacity > 0) std::memcpy(state, saved.data(), std::min(capacity, saved.size()));
+    });
+}
+
+touch_status touch_solver_state_hash(touch_solver solver, uint64_t* hash) {
+    if (!hash) return TOUCH_USAGE;
+    return with_saved(solver, [&](const std::vector<std::uint8_t>& saved) {
+        ByteHash of_state;
+        of_state.add(saved.data(), saved.size());
+        *hash = of_state.value();
+    });
+}
+
+touch_status touch_solver_load(touch_solver solver, const void* state, size_t length, touch_error* error) {
+    return without_exceptions(error, [&]() -> Result<touch_status> {
+        if (!state) return usage_error("state is NULL");
+        const auto use = solvers().find(solver.id);
+        if (!use) return fail_without(use, error, "solver");
+        const TryLock lock(use->ticking);
+        if (!lock) return fail(error, TOUCH_BUSY, "another thread is using the solver");
+        TouchRun& run = use->run;
+        const std::vector<std::uint8_t> before = run.save();
+        TRY(run.load({static_cast<const std::uint8_t*>(state), length}));
+        if (auto resumed = run.resume(); !resumed) {
+            TRY(run.load(before));
+            return resumed.error();
+        }
+        use->last_tick = run.tick();
+        return TOUCH_OK;
+    });
 }
 
 touch_status touch_solver_destroy(touch_solver solver) {

@@ -371,6 +371,20 @@ TOUCH_API touch_status touch_solver_come_back(touch_solver solver);
 /** XXH64 of all forces since the solver was made, printed by the program as "force hash": equal hashes mean equal
  * forces to the last bit. Real-time. */
 TOUCH_API touch_status touch_solver_force_hash(touch_solver solver, uint64_t *hash);
+
+/** Writes what the solver remembers after its last tick, at most `capacity` bytes of it (some 700 a finger); `length`:
+ * all of them. A solver with the same scene and settings goes on from there with the same forces to the bit, in another
+ * process or on another machine. No frames are in it. TOUCH_USAGE: NULL, or no tick yet. Not real-time: it reads the
+ * whole surface, to know it again. Not yet stable. */
+TOUCH_API touch_status touch_solver_save(touch_solver solver, void *state, size_t capacity, size_t *length);
+/** Goes back, or on, to a saved state. The surface must have the frames around the moment of its last tick, and none
+ * that are later may have been met: after a jump back make another surface and push them again, with a temporal filter
+ * from the beginning. The next tick is a later one than that. TOUCH_INPUT: damaged, of another version, scene or
+ * settings, or of other frames than the surface has (the line says which); nothing has changed then. Not real-time. Not
+ * yet stable. */
+TOUCH_API touch_status touch_solver_load(touch_solver solver, const void *state, size_t length, touch_error *error);
+/** XXH64 of what touch_solver_save writes: equal hashes mean equal forces from now on. Not real-time. Not yet stable. */
+TOUCH_API touch_status touch_solver_state_hash(touch_solver solver, uint64_t *hash);
 /** Destroys a solver; its surface may then get another one. TOUCH_BUSY while another thread ticks it. */
 TOUCH_API touch_status touch_solver_destroy(touch_solver solver);
 

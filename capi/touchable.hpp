@@ -185,6 +185,18 @@ public:
         detail::check(touch_solver_force_hash(get(), &hash));
         return hash;
     }
+    /// touch_solver_save.
+    std::vector<std::uint8_t> save() const {
+        std::size_t length = 0;
+        detail::check(touch_solver_save(get(), nullptr, 0, &length));
+        std::vector<std::uint8_t> state(length);
+        detail::check(touch_solver_save(get(), state.data(), state.size(), &length));
+        return state;
+    }
+    /// touch_solver_load.
+    void load(const std::vector<std::uint8_t>& state) {
+        detail::call(touch_solver_load, get(), state.data(), state.size());
+    }
 };
 
 // The rest needs libtouchable-media.

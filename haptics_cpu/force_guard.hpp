@@ -16,6 +16,7 @@
 #include <limits>
 
 #include "engine/base/result.hpp"
+#include "engine/base/same_bits.hpp"
 #include "haptics_cpu/touch_solver.hpp"
 
 namespace touchable {
@@ -111,6 +112,12 @@ public:
     const EnergyFigures& figures() const { return figures_; }
     /// Joules created in this contact beyond what holding forces explains.
     double excess() const { return excess_; }
+    void each_state(StateBytes& bytes) {
+        EnergyFigures& f = figures_;
+        bytes(started_, goal_, held_, blended_, spring_force_, step_, x_, stretched_, ramp_, x2_,
+              stiffness_before_, energy_before_, work_of_tick_, excess_, f.work, f.surface, f.stored,
+              f.created, f.bound);
+    }
 
 private:
     DeviceSpring spring_;
@@ -155,6 +162,7 @@ public:
     /// N/m at the proxy while the goal is missing.
     double held(const Contact& contact) const;
     void lift() { limited_ = from_hole_ = false; }
+    void each_state(StateBytes& bytes) { bytes(limited_, from_hole_, stiffness_, paid_); }
 
 private:
     bool has_jumped(const Contact& contact) const;
@@ -211,6 +219,7 @@ public:
     /// and never so strongly that the surface holds the finger back.
     glm::dvec3 force(const EnergyAccount& account, double stiffness, const glm::dvec3& velocity, int ticks);
     void lift() { rate_ = glm::dvec3(0.0); }
+    void each_state(StateBytes& bytes) { bytes(rate_); }
 
 private:
     double b_;
@@ -273,6 +282,10 @@ public:
     void surface_is_new() { surface_is_new_ = true; }
     /// Restores the initial state.
     void reset();
+    void each_state(StateBytes& bytes) {
+        bytes(surface_is_new_, waiting_, buried_, presence_, ticks_, weight_, wanted_, given_, share_, goal_,
+              stiffness_, near_hole_);
+    }
 
 private:
     /// Share of a spring of this stiffness (N/m) that the device renders: all up to its own.
@@ -356,6 +369,12 @@ public:
 
     /// Whether a tick with a fault made the guard begin anew, because the computed force was impossible.
     bool has_begun_anew() const { return ticks_faulty_ == 0; }
+    void each_state(StateBytes& bytes) {
+        bytes(ticks_in_, ramp_, ticks_faulty_, ticks_held_, last_force_, account_, stiffness_, damping_,
+              velocity_, added_);
+        bytes.expect(ticks_faulty_ >= 0 && ticks_held_ >= 0 &&
+                     std::max(ticks_faulty_, ticks_held_) <= 1 << 30);
+    }
 
 private:
     int ramp_out_ticks() const;
@@ -402,6 +421,7 @@ public:
     bool has_let_go() const { return guard_.has_let_go(); }
     /// ForceGuard::let_go.
     void let_go() { guard_.let_go(); }
+    void each_state(StateBytes& bytes) { bytes(jump_, guard_); }
 
 private:
     JumpCancellation jump_;
@@ -428,6 +448,7 @@ public:
     }
     /// 0 to 1.
     double share() const { return share_; }
+    void each_state(StateBytes& bytes) { bytes(share_); }
 
 private:
     std::int64_t after_ns_;

@@ -91,6 +91,21 @@ void TouchStep::meet_nothing() {
     }
 }
 
+void TouchStep::each_state(StateBytes& bytes) {
+    bytes(came_back_, last_tick_, stale_);
+    bytes.expect(!last_tick_ || std::abs(*last_tick_) <= std::int64_t{1} << 60);
+    for (FingerState& finger : fingers_) {
+        Proxy& at = finger.proxy;
+        bytes(at.feature, at.i, at.j, at.a, at.b, at.point, at.sliding, finger.started, finger.goal,
+              finger.slip_speed, finger.ticks_held, finger.moment_ns, finger.epoch, finger.stiffness,
+              finger.near_hole, finger.place);
+        constexpr std::int64_t widest = 1 << 20;  // pixels
+        bytes.expect(at.feature <= Feature::vertex && std::max(std::abs(at.i), std::abs(at.j)) <= widest);
+        bytes.expect(std::min(at.a, at.b) >= 0 && std::max(at.a, at.b) <= 1 && finger.ticks_held >= 0);
+    }
+    for (FingerGuard& guard : guards_) bytes(guard);
+}
+
 TouchTick TouchStep::run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair) {
     using std::chrono::steady_clock;
     const auto start = steady_clock::now();

@@ -99,6 +99,9 @@ public:
     /// is then of the same clock as the frames' times.
     TouchTick run(std::int64_t tick, std::int64_t time_ns, const Scene& scene, const FramePair& pair);
 
+    /// All that a coming tick depends on, but settings, frames and goals.
+    void each_state(StateBytes& bytes);
+
 private:
     void let_go();
     void solve(const HeightField& field, int ticks);
@@ -138,6 +141,7 @@ public:
     void add(const glm::dvec3& force);
     std::uint64_t value() const { return hash_.value(); }
     std::string hex() const { return hash_.hex(); }  ///< 16 digits
+    void each_state(StateBytes& bytes) { hash_.each_state(bytes); }
 
 private:
     ByteHash hash_;

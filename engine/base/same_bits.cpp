@@ -222,12 +222,36 @@ void ByteHash::add(const void* bytes, std::size_t size) {
     XXH64_update(&state_->xxh, bytes, size);
 }
 
+void ByteHash::each_state(StateBytes& bytes) {
+    XXH64_state_t& xxh = state_->xxh;
+    bytes(xxh.total_len, xxh.memsize);
+    for (auto& lane : xxh.v) bytes(lane);
+    for (auto& waiting : xxh.mem64) bytes(waiting);
+    bytes.expect(xxh.memsize < sizeof xxh.mem64);
+    if (!bytes.is_sound()) XXH64_reset(&xxh, 0);
+}
+
 std::uint64_t ByteHash::value() const {
     return XXH64_digest(&state_->xxh);
 }
 
 std::string ByteHash::hex() const {
     return formatted("%016llx", static_cast<unsigned long long>(value()));
+}
+
+std::uint64_t StateBytes::word(std::uint64_t bits) {
+    if (!reads_) {
+        for (int shift = 0; shift < 64; shift += 8)
+            written_.push_back(static_cast<std::uint8_t>(bits >> shift));
+        return bits;
+    }
+    expect(from_.size() >= 8);
+    if (!sound_) return 0;
+    bits = 0;
+    for (int shift = 0; shift < 64; shift += 8)
+        bits |= std::uint64_t{from_[static_cast<std::size_t>(shift / 8)]} << shift;
+    from_ = from_.subspan(8);
+    return bits;
 }
 
 }  // namespace touchable

@@ -12,13 +12,18 @@
 // medians. SplitMix64 returns random numbers one by one from a seed, mix64 one for a given number, so that
 // pixels can be drawn in any order.
 //
-// Threads: any may call these pure functions; one at a time uses a ByteHash or a SplitMix64.
+// A ByteHash is XXH64; StateBytes are what an object remembers, for another process.
+//
+// Threads: any may call these pure functions; one at a time uses an object.
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "engine/base/result.hpp"
@@ -76,12 +81,61 @@ public:
     ~ByteHash();
 
     void add(const void* bytes, std::size_t size);
+    /// The same with its state saved, or read back.
+    void each_state(class StateBytes& bytes);
     std::uint64_t value() const;
     std::string hex() const;  ///< 16 digits
 
 private:
     struct State;
     std::unique_ptr<State> state_;
+};
+
+/// An object's state as bytes that are the same on every machine: 8 for each number, flag and enumerator,
+/// little-endian. An object lists its members once, for writing and for reading back:
+///     void each_state(StateBytes& bytes) { bytes(speed_, has_started_); }
+class StateBytes {
+public:
+    StateBytes() = default;  ///< writes
+    explicit StateBytes(std::span<const std::uint8_t> from) : from_(from), reads_(true) {}
+    void operator()(auto&... members) { (member(members), ...); }
+    bool reads() const { return reads_; }
+    /// What was written; what is left to be read.
+    const std::vector<std::uint8_t>& written() const { return written_; }
+    std::size_t left() const { return from_.size(); }
+    /// False: there were too few bytes, or a value that no object has; the members read are worth nothing.
+    bool is_sound() const { return sound_; }
+    void expect(bool sound) { sound_ = sound_ && sound; }
+
+private:
+    template <class T>
+    void member(T& value) {
+        if constexpr (std::is_floating_point_v<T>) {
+            value = std::bit_cast<T>(word(std::bit_cast<std::uint64_t>(value)));
+            expect(value - value == 0);  // finite
+        } else if constexpr (std::is_integral_v<T> || std::is_enum_v<T>) {
+            const std::uint64_t bits = word(static_cast<std::uint64_t>(value));
+            value = static_cast<T>(bits);
+            expect(static_cast<std::uint64_t>(value) == bits);
+        } else if constexpr (requires { value.has_value(); }) {
+            bool has = value.has_value();
+            member(has);
+            if (!has)
+                value.reset();
+            else if (!value)
+                value.emplace();
+            if (has) member(*value);
+        } else if constexpr (requires { value.z; }) {
+            (*this)(value.x, value.y, value.z);
+        } else {
+            value.each_state(*this);
+        }
+    }
+    std::uint64_t word(std::uint64_t bits);
+
+    std::span<const std::uint8_t> from_;
+    std::vector<std::uint8_t> written_;
+    bool reads_ = false, sound_ = true;
 };
 
 }  // namespace touchable

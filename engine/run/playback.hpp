@@ -59,6 +59,8 @@ public:
 
     /// Whether commands may come.
     bool is_open() const { return is_open_; }
+    /// For how many more commands there is room. Called by the thread that calls `ask`.
+    std::size_t room() const { return commands_.size() - asked_.load(std::memory_order_relaxed); }
     /// One thread only. Refused (ErrorKind::usage) if there is no room. Wait-free.
     Result<void> ask(PlaybackVerb verb, std::int64_t first, std::int64_t second);
     /// Called by the thread that calls `ask`: whether a command has no tick yet.

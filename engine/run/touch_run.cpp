@@ -26,6 +26,11 @@ ReadPlace SurfaceQueue::first_place(std::uint64_t epoch, std::int64_t start_ns,
     return place;
 }
 
+void SurfaceQueue::return_to(const MediaMoment& moment, std::int64_t frame) {
+    place_ = {moment.epoch, moment.start_ns, frame, frame};
+    if (remembers_) place_ = first_place(moment.epoch, moment.start_ns, std::nullopt);
+}
+
 bool SurfaceQueue::follow(const MediaMoment& moment, std::optional<std::int64_t> frames) {
     if (moment.epoch <= place_.epoch) return false;
     place_ = first_place(moment.epoch, moment.start_ns, frames);
@@ -132,6 +137,7 @@ TouchRun::TouchRun(SurfaceQueue& surface, std::shared_ptr<PlaybackLog> log, cons
 
 void TouchRun::touch(const TouchSolver& solver, const GuardSettings& guard, int fingers) {
     solver_ = solver;
+    guard_ = guard;
     step_.emplace(*solver_, guard, fingers);
 }
 
@@ -143,10 +149,18 @@ MediaMoment TouchRun::moment_at(std::int64_t tick) {
 bool TouchRun::meet(std::int64_t tick, bool after_gap) {
     log_->take(tick);
     const PlaybackState now = clock_.state_at(tick);
-    if (!surface_.timeline().pair_at(now.moment, pair_)) return false;
+    moment_ = now.moment;
+    if (!surface_.timeline().pair_at(moment_, pair_)) return false;
     board_.set(now);
     meet(tick, tick * tick_ns, pair_, after_gap);
     return true;
+}
+
+bool TouchRun::meet(std::int64_t tick, const MediaMoment& moment) {
+    moment_ = moment;
+    const bool is_there = surface_.timeline().pair_at(moment, pair_);
+    meet(tick, moment.time_ns, pair_);
+    return is_there;
 }
 
 void TouchRun::meet(std::int64_t tick, std::int64_t time_ns, const FramePair& pair, bool after_gap) {
@@ -170,6 +184,140 @@ HapticTicks TouchRun::ticks() {
                 return field();
             },
             [this] { return solve(); }};
+}
+
+namespace {
+
+constexpr std::uint64_t state_magic = 0x6e75726863756f74;  // "touchrun"
+constexpr int state_version = 1;
+constexpr std::int64_t last_commanded_tick = latest_moment_ns / tick_ns;
+
+std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {
+    ByteHash hash;
+    hash.add(bytes.data(), bytes.size());
+    return hash.value();
+}
+
+/// What forces depend on in a frame, whatever builder made it.
+void add_content(const SurfaceFrame& frame, ByteHash& hash) {
+    std::vector<double> row(static_cast<std::size_t>(frame.width));
+    for (int y = 0; y < frame.height; ++y) {
+        for (int x = 0; x < frame.width; ++x) {
+            const DepthSample at = frame.vertices->at(x, y);
+            row[static_cast<std::size_t>(x)] = at.valid ? at.depth : -1;
+        }
+        hash.add(row.data(), row.size() * sizeof(double));
+    }
+    hash.add(frame.haptic.data(), frame.haptic.size());
+    hash.add(frame.heights.data(), frame.heights.size() * sizeof(std::uint16_t));
+}
+
+/// What forces depend on beside frames, goals and state.
+std::uint64_t settings_hash(const Scene& scene, TouchSettings touch, GuardSettings guard, int fingers) {
+    StateBytes bytes;
+    for (SceneNumber& number : numbers_of(scene)) bytes(number.value);
+    std::int64_t first_ns = scene.rate.time_ns(1), later_ns = scene.rate.time_ns(1000);
+    bytes(first_ns, later_ns, fingers, touch.metric, touch.metres_per_scene_unit, touch.event_limit,
+          touch.cell_limit, touch.stribeck_speed, touch.sudden_speed, guard.max_force, guard.max_stiffness,
+          guard.ramp_in_ticks, guard.ramp_out_ticks, guard.rise.paid, guard.rise.per_tick, guard.damping,
+          guard.passivity, guard.waits_to_be_free, guard.stale_after_ns);
+    return hash_of(bytes.written());
+}
+
+}  // namespace
+
+/// All that is saved: what names the run, its clock, its last tick, and the state of fingers and hash.
+struct TouchRun::Saved {
+    std::uint64_t magic = state_magic, settings = 0;
+    int version = state_version, rules = force_rules;
+    std::int64_t tick = 0, time_ns = 0;
+    MediaMoment moment;
+    SavedPair pair;
+    std::vector<PlaybackCommand> commands;
+
+    void each_state(StateBytes& bytes, TouchStep& step, ForceHash& hash) {
+        bytes(magic, version, rules, settings);
+        bytes.expect(magic == state_magic && version == state_version && rules == force_rules);
+        bytes(tick, time_ns, moment.epoch, moment.time_ns, moment.start_ns, pair.prev, pair.next, pair.blend,
+              pair.epoch, pair.content);
+        std::uint64_t count = commands.size();
+        bytes(count);
+        bytes.expect(!bytes.reads() || count <= bytes.left() / 32);
+        if (bytes.is_sound()) commands.resize(count);
+        for (PlaybackCommand& command : commands)
+            bytes(command.tick, command.verb, command.first, command.second);
+        step.each_state(bytes);
+        hash.each_state(bytes);
+    }
+};
+
+TouchRun::SavedPair TouchRun::pair_now() const {
+    SavedPair now{pair_.prev.number, pair_.next.number, pair_.blend, pair_.epoch};
+    if (!pair_.prev.frame) return now;
+    ByteHash content;
+    add_content(*pair_.prev.frame, content);
+    if (pair_.next.frame != pair_.prev.frame) add_content(*pair_.next.frame, content);
+    now.content = content.value();
+    return now;
+}
+
+std::vector<std::uint8_t> TouchRun::save() {
+    Saved saved{.settings = settings_hash(surface_.scene(), solver_->settings(), guard_, fingers()),
+                .tick = tick_,
+                .time_ns = time_ns_,
+                .moment = moment_,
+                .pair = pair_now(),
+                .commands = log_->commands()};
+    StateBytes bytes;
+    saved.each_state(bytes, *step_, hash_);
+    std::uint64_t all = hash_of(bytes.written());
+    bytes(all);
+    return bytes.written();
+}
+
+Result<void> TouchRun::load(std::span<const std::uint8_t> bytes) {
+    Saved saved;
+    StateBytes in(bytes);
+    TouchStep step(*solver_, guard_, fingers());
+    ForceHash hash;
+    saved.each_state(in, step, hash);
+    const auto wrong = [](const std::string& what) {
+        return input_error("the saved moment is " + what + "; save it again, by this version");
+    };
+    if (saved.magic != state_magic) return input_error("these bytes are no saved moment of a run");
+    if (saved.version != state_version) return wrong("of version " + std::to_string(saved.version));
+    if (saved.rules != force_rules) return wrong("of rules of force " + std::to_string(saved.rules));
+    if (saved.settings != settings_hash(surface_.scene(), solver_->settings(), guard_, fingers()))
+        return input_error("the moment was saved in a run of another scene, other settings or fingers");
+    std::uint64_t all = 0;
+    in(all);
+    const bool is_whole = in.is_sound() && in.left() == 0 && all == hash_of(bytes.first(bytes.size() - 8));
+    const bool is_clocked = saved.commands.empty() || saved.tick <= last_commanded_tick;
+    if (!is_whole || !is_clocked || !validate(saved.commands)) return wrong("damaged");
+    StateBytes again(bytes);
+    saved.each_state(again, *step_, hash_);
+    tick_ = saved.tick;
+    time_ns_ = saved.time_ns;
+    moment_ = saved.moment;
+    expected_ = saved.pair;
+    log_ = std::make_shared<PlaybackLog>(std::move(saved.commands), log_->room());
+    clock_ = PlaybackClock(surface_.scene().rate, log_);
+    surface_.return_to(moment_, expected_.prev);
+    return {};
+}
+
+Result<void> TouchRun::resume() {
+    surface_.timeline().pair_at(moment_, pair_);
+    const SavedPair now = pair_now();
+    if (now == expected_) return {};
+    const auto in_words = [](const SavedPair& pair) {
+        return std::to_string(pair.prev) + " and " + std::to_string(pair.next) + " of epoch " +
+               std::to_string(pair.epoch);
+    };
+    if (now.prev == expected_.prev && now.next == expected_.next && now.epoch == expected_.epoch)
+        return input_error("frames " + in_words(now) + " are not those on which the moment was saved");
+    return input_error("the moment was saved on frames " + in_words(expected_) + "; those there are " +
+                       in_words(now));
 }
 
 }  // namespace touchable

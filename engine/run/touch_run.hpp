@@ -73,6 +73,9 @@ public:
     /// unknown), or at a temporal filter's warm-up frames before.
     ReadPlace first_place(std::uint64_t epoch, std::int64_t start_ns,
                           std::optional<std::int64_t> frames) const;
+    /// Reads that epoch from the frame on, with a temporal filter from the warm-up frames before the epoch's
+    /// first.
+    void return_to(const MediaMoment& moment, std::int64_t frame);
     /// Goes to the moment's epoch if that is later. True: reading begins anew there.
     bool follow(const MediaMoment& moment, std::optional<std::int64_t> frames);
     /// The next frame, if there is room for it; nothing after the last of `frames`, which ends the epoch.
@@ -142,12 +145,15 @@ public:
     /// A copy for a reader that looks ahead.
     const PlaybackClock& clock() const { return clock_; }
 
-    /// Takes the frames around the tick's moment: those that are there. False: none was published yet.
-    /// `after_gap`, or `come_back` before: the hand was left alone (TouchStep), as the caller's clock says.
+    /// Takes the frames around the tick's moment, by the clip's clock or as given: those that are there.
+    /// False: none was published yet. `after_gap`, or `come_back` before: the hand was left alone
+    /// (TouchStep), as the caller's clock says.
     bool meet(std::int64_t tick, bool after_gap = false);
+    bool meet(std::int64_t tick, const MediaMoment& moment);
     void come_back() { step_->come_back(); }
     /// The same with given frames, at a given time.
     void meet(std::int64_t tick, std::int64_t time_ns, const FramePair& pair, bool after_gap = false);
+    std::int64_t tick() const { return tick_; }  ///< met last
     const FramePair& pair() const { return pair_; }
     /// The surface that was met; there are frames.
     HeightField field() const { return {surface_.scene(), pair_}; }
@@ -158,16 +164,42 @@ public:
     /// For a loop in real time.
     HapticTicks ticks();
 
+    // A moment of a run, for another process or another try: fingers, guards, clock with its commands, and
+    // hash; no frames. Not for a live source, whose frames do not come again; the hand is the caller's.
+    /// After a tick: some hundred bytes a finger, which the same run on any machine and builder has too.
+    std::vector<std::uint8_t> save();
+    /// Into a run that has the settings and scene of the one that was saved, with a queue that has met no
+    /// frame of another epoch: the next tick is the one after. The queue wants the frames around `moment`
+    /// first; `resume` takes them, or refuses others. Error (input): damaged, of another version, other
+    /// rules, scene or settings; nothing was changed.
+    Result<void> load(std::span<const std::uint8_t> saved);
+    const MediaMoment& moment() const { return moment_; }  ///< of the tick met last
+    Result<void> resume();
+
 private:
     SurfaceQueue& surface_;
-    const std::shared_ptr<PlaybackLog> log_;
+    std::shared_ptr<PlaybackLog> log_;
     PlaybackClock clock_;
     PlaybackBoard board_;
     std::optional<TouchSolver> solver_;
     std::optional<TouchStep> step_;
+    /// What a saved moment says of its frames.
+    struct SavedPair {
+        std::int64_t prev = -1, next = -1;
+        double blend = 0;
+        std::uint64_t epoch = 0;
+        std::uint64_t content = 0;  ///< of both frames: depth, properties and heights
+        bool operator==(const SavedPair&) const = default;
+    };
+    struct Saved;
+    SavedPair pair_now() const;
+
+    GuardSettings guard_;
     ForceHash hash_;
     std::int64_t tick_ = 0, time_ns_ = 0;
+    MediaMoment moment_;
     FramePair pair_;
+    SavedPair expected_;  // by `resume`
 };
 
 }  // namespace touchable

@@ -168,6 +168,9 @@ _solver_functions = {
     "solver_run": (_handle, POINTER(Tick), c_size_t, c_void_p, c_void_p, c_size_t),
     "solver_come_back": (_handle,),
     "solver_force_hash": (_handle, POINTER(c_uint64)),
+    "solver_save": (_handle, c_char_p, c_size_t, POINTER(c_size_t)),
+    "solver_load": (_handle, c_char_p, c_size_t, _error),
+    "solver_state_hash": (_handle, POINTER(c_uint64)),
     "solver_destroy": (_handle,),
     "surface_forces_at": (_handle, POINTER(SolverStruct), POINTER(Tick), c_int32, c_void_p, c_size_t, c_void_p, c_size_t,
                           _error),
@@ -266,13 +269,18 @@ def call(name: str, *arguments: Any) -> None:
         raise error_of(status, line)
 
 
-def text_of(name: str, *arguments: Any) -> str:
-    """The text that a function writes, which first says how long it is."""
+def bytes_of(name: str, *arguments: Any) -> bytes:
+    """The bytes that a function writes, which first says how many there are."""
     length = c_size_t()
     call(name, *arguments, None, 0, length)
-    text = ctypes.create_string_buffer(length.value + 1)
-    call(name, *arguments, text, len(text), length)
-    return text.value.decode()
+    written = ctypes.create_string_buffer(length.value)
+    call(name, *arguments, written, len(written), length)
+    return written.raw
+
+
+def text_of(name: str, *arguments: Any) -> str:
+    """The text that a function writes."""
+    return bytes_of(name, *arguments).decode()
 
 
 def _end(end: Callable[..., int], number: int, kept: tuple) -> None:

@@ -381,6 +381,29 @@ class Solver(Closable):
         call("solver_force_hash", self._handle.number, value)
         return f"{value.value:016x}"
 
+    def save(self) -> bytes:
+        """What the solver remembers after its last tick, without frames: another one with the same scene, settings and
+        frames goes on from there with the same forces, in another process too. Raises UsageError before the first tick,
+        and ClosedError."""
+        self._check_open()
+        return _library.bytes_of("solver_save", self._handle.number)
+
+    def load(self, state: bytes) -> None:
+        """Goes to a saved state; the next tick is the one after. The surface has the frames around its moment, and none
+        that are later were met: after a jump back make another surface and push them again. Raises Error with
+        Status.INPUT for other frames or settings or a damaged state (then nothing has changed), and ClosedError."""
+        self._check_open()
+        call("solver_load", self._handle.number, state, len(state))
+        self.next_tick = int.from_bytes(state[32:40], "little", signed=True) + 1
+
+    @property
+    def state_hash(self) -> str:
+        """Of what `save` gives: equal hashes mean equal forces from now on. Raises as `save` does."""
+        self._check_open()
+        value = ctypes.c_uint64()
+        call("solver_state_hash", self._handle.number, value)
+        return f"{value.value:016x}"
+
     def close(self) -> None:
         """Ends the solver; the surface may then have another. Raises Error with Status.BUSY while another thread is in
         tick() or run(). Closing twice does nothing."""
