@@ -26,10 +26,10 @@
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
 #include "player/audio/contact_sound.hpp"
-#include "player/draw/drawn_surface.hpp"
-#include "player/draw/view.hpp"
 #include "player/run/playback.hpp"
-#include "player/window/pointer.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/pointer.hpp"
+#include "player/view/view.hpp"
 
 #define EXPORTED(name) __attribute__((export_name(#name)))
 
