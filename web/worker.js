@@ -15,16 +15,16 @@ const pick_members = ['valid', 'depth_m', 'stiffness', 'friction_static', 'frict
 const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction', 'error_degrees'];
 let read_size, engine, clip, session, pressed = false, stands_still = false, build_ms = 0, decode_ms = 0, seen_matrix;
 
-/** What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace. */
+// What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace.
 const new_session = () => ({
   feeding: false, failed: '', shown: -1, ran_until: null, live_stop: new AbortController(),
-  taken: {}, sent: {}, // by role the frame whose picture the engine has, and the page (of colour the picture)
-  colours: new Map(), // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
+  taken: {}, sent: {},  // by role the frame whose picture the engine has, and the page (of colour the picture)
+  colours: new Map(),  // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
 });
 
 // ---- The engine
 
-/** The few calls that its C++ library makes: the time, and writing to nowhere. */
+// The few calls that its C++ library makes: the time, and writing to nowhere.
 function wasi(memory) {
   const view = () => new DataView(memory().buffer);
   return {
@@ -39,8 +39,8 @@ function wasi(memory) {
   };
 }
 
-/** The engine's functions and memory. `bytes`: of engine.bin, WebAssembly under deflate, a third of its size; it is
- *  fetched unless the page has it. */
+// The engine's functions and memory. `bytes`: of engine.bin, WebAssembly under deflate, a third of its size; it is
+// fetched unless the page has it.
 async function load_engine(bytes) {
   let instance;
   const imports = {wasi_snapshot_preview1: wasi(() => instance.exports.memory)};
@@ -62,19 +62,19 @@ const memory = (type, at, count) => new type(engine.memory.buffer, at, count);
 function put(array) {
   memory(array.constructor, engine.room(array.byteLength), array.length).set(array);
 }
-/** The engine's text at an address, where a 0 ends it. */
+// The engine's text at an address, where a 0 ends it.
 function text_at(at) {
   const bytes = memory(Uint8Array, at);
   return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
 }
 const check = (worked) => worked || refuse(text_at(engine.fault()));
-/** `verb`: of ClockCommand in engine.cpp. */
+// `verb`: of ClockCommand in engine.cpp.
 const play = (verb, number = 0) => check(engine.play(verb, number));
 
 // ---- Opening
 
-/** `gone`: {error, text} if the open clip has lost a file; `text` is its clip.json. If the server still has the same
- *  clip.json, the error is thrown and is fatal. */
+// `gone`: {error, text} if the open clip has lost a file; `text` is its clip.json. If the server still has the same
+// clip.json, the error is thrown and is fatal.
 async function open({url, files, json, wasm, calm, gone}) {
   stands_still = calm;
   if (gone) clip = undefined;
@@ -96,7 +96,7 @@ async function open({url, files, json, wasm, calm, gone}) {
   });
 }
 
-/** Reads a picture that a person will open, and tells what its levels seem to mean. */
+// Reads a picture that a person will open, and tells what its levels seem to mean.
 async function read({bytes, name}) {
   engine ??= await load_engine();
   const {width, height, bits, codes} = await unpack_png(bytes);
@@ -118,7 +118,7 @@ function met(packed, about) {
   postMessage({is: 'clip', width: clip.width, height: clip.height, planes: Object.keys(clip.planes), ...about});
 }
 
-/** A clip begins: it plays and loops, unless the person asked for less motion; a live one is followed. */
+// A clip begins: it plays and loops, unless the person asked for less motion; a live one is followed.
 function start() {
   session?.live_stop.abort();
   session = new_session();
@@ -160,11 +160,11 @@ function give_packet(role, own, packet) {
   session.taken[role] = own;
 }
 
-/** Gives the engine the frames that it wants, one after the other; one such work at a time. */
+// Gives the engine the frames that it wants, one after the other; one such work at a time.
 async function feed() {
   const of = session;
   if (of.feeding || clip.live) return;
-  of.feeding = true; // and stays so after a fault, until a person asks to go on: the next frame would have it, too
+  of.feeding = true;  // and stays so after a fault, until a person asks to go on: the next frame would have it, too
   try {
     for (let frame; of === session && (frame = engine.wanted()) >= 0;) await give_frame(frame);
     of.feeding = false;
@@ -179,7 +179,7 @@ async function feed() {
   }
 }
 
-/** Shows a live clip, and connects again when it breaks off; to another clip if its server has one by then. */
+// Shows a live clip, and connects again when it breaks off; to another clip if its server has one by then.
 async function follow() {
   const of = session, {text, base, live} = clip;
   for (let is_first = true; of === session; is_first = false) {
@@ -211,7 +211,7 @@ async function show_framesets(framesets, of) {
   }
 }
 
-/** Frames come again: the page takes its notice away. */
+// Frames come again: the page takes its notice away.
 function note_well() {
   if (session.failed) postMessage({is: 'well'});
   session.failed = '';
@@ -219,7 +219,7 @@ function note_well() {
 
 // ---- Ticks, and what the page sees
 
-/** Runs the ticks that have elapsed. */
+// Runs the ticks that have elapsed.
 function run_elapsed() {
   const now = performance.now(), ticks = Math.floor(now - (session.ran_until ??= now));
   if (ticks < 1) return;
@@ -250,7 +250,7 @@ function look() {
 
 const bitmap_of = (jpeg) => createImageBitmap(jpeg).catch(() => null);
 
-/** The planes of the frame that is to be drawn, if it is another than before; of these those that have changed. */
+// The planes of the frame that is to be drawn, if it is another than before; of these those that have changed.
 async function new_planes() {
   const {sent, colours} = session, number = engine.shown_number(), count = clip.width * clip.height;
   if (number < 0 || number === session.shown) return null;
@@ -266,7 +266,7 @@ async function new_planes() {
   if (picture && sent.colour !== picture) {
     sent.colour = picture;
     const bitmap = await (picture.bitmap ?? bitmap_of(picture.jpeg));
-    picture.bitmap = null; // it goes to the page
+    picture.bitmap = null;  // it goes to the page
     if (bitmap) planes.colour = bitmap;
   }
   return planes;
@@ -277,12 +277,12 @@ function tell(planes) {
   postMessage({...look(), planes}, transfers);
 }
 
-/** Runs a script in virtual time, from the clip's beginning, and draws the frames that it meets. */
+// Runs a script in virtual time, from the clip's beginning, and draws the frames that it meets.
 async function verify({goals, fingers, ticks, commands: asked}) {
   session = new_session();
   put(Float64Array.from([...goals, ...asked.flat()]));
   engine.begin(fingers, goals.length / 3, asked.length);
-  const frames = [], us = new Float64Array(ticks); // what each tick took
+  const frames = [], us = new Float64Array(ticks);  // what each tick took
   for (let tick = 0; tick < ticks;) {
     const start = performance.now(), ran = engine.run(1);
     check(ran >= 0);
@@ -309,7 +309,7 @@ function reset() {
   start();
 }
 
-/** `again`: whether the page may ask to go on. */
+// `again`: whether the page may ask to go on.
 function faulty(error, again = false) {
   // After a trap, or without memory, nothing that the engine has can be relied on.
   const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
@@ -329,22 +329,22 @@ const work = {
     if (session.failed) work.go_on(); // the page's notice may have been closed
   },
   hand: ({verb, a, b}) => engine.hand(verb, a, b),
-  /** After a fault: frames are fetched again from the next tick on, as what was fetched may have been damaged. */
+  // After a fault: frames are fetched again from the next tick on, as what was fetched may have been damaged.
   go_on() {
     for (const plane of Object.values(clip.planes)) plane.kept = [];
     session.feeding = false;
   },
-  /** Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name. */
+  // Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name.
   async lab({name, numbers}) {
     engine ??= await load_engine();
-    if (!name) return; // it shall only be loaded
+    if (!name) return;  // it shall only be loaded
     const worked = engine[name](...numbers), text = text_at(engine.lab_text());
     if (!worked) refuse(text);
     postMessage({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
   },
   async due({width, height, pressed: presses}) {
     engine.size(width, height);
-    if (presses !== pressed) engine.hand(7, presses, 0); // HandCommand::press
+    if (presses !== pressed) engine.hand(7, presses, 0);  // HandCommand::press
     pressed = presses;
     run_elapsed();
     tell(await new_planes());
@@ -352,7 +352,7 @@ const work = {
 };
 
 let queue = Promise.resolve();
-/** One thing after the other: what opens or verifies a clip is not disturbed. The caller handles a job's fault. */
+// One thing after the other: what opens or verifies a clip is not disturbed. The caller handles a job's fault.
 function in_turn(job) {
   const done = queue.then(job);
   queue = done.catch(() => {});
