@@ -35,12 +35,7 @@
 
 namespace touchable {
 
-std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent) {
-    return {new std::uint8_t[bytes](), std::default_delete<std::uint8_t[]>()};
-}
-
-// A page shows no remarks (a person sees nearest and farthest before a picture is opened), and keeps memory.
-void give_back(void*, std::size_t) {}
+// A page shows no remarks: a person sees nearest and farthest before a picture is opened.
 std::optional<Remark> unit_doubt(double, std::string, Hints) {
     return {};
 }

@@ -8,14 +8,13 @@
 // largest, mean and hash of line, circle, eight.
 const {scratches, sweeps} = await (await fetch(new URL('lab_native.json', import.meta.url))).json();
 
-const worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
-worker.postMessage({do: 'lab'});
+const worker = new Worker(new URL('lab_worker.js', import.meta.url), {type: 'module'});
 
 // Calls a function of lab.cpp, one at a time; answers its figures: texts by name.
 const ask = (name, ...numbers) => new Promise((resolve, reject) => {
-  worker.onmessage = ({data}) => (data.is === 'fault' ? reject(new Error(data.text)) : resolve(data.figures));
+  worker.onmessage = ({data}) => (data.fault ? reject(new Error(data.fault)) : resolve(data.figures));
   worker.onerror = () => reject(new Error('The engine could not be started in this browser.'));
-  worker.postMessage({do: 'lab', name, numbers: numbers.map(Number)});
+  worker.postMessage({name, numbers: numbers.map(Number)});
 });
 
 const white = '#eef0f4', chest_frames = 293;  // as in paper_suite.cpp

@@ -3,7 +3,8 @@
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.
 
-import {PackedClip, answer_of, inflating, live_framesets, refuse, roles} from './clip.js';
+import {PackedClip, live_framesets, refuse, roles} from './clip.js';
+import {has_trapped, load_engine, text_of} from './engine.js';
 import {unpack_png} from './png.js';
 
 const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped',
@@ -22,51 +23,11 @@ const new_session = () => ({
   colours: new Map(),  // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
 });
 
-// ---- The engine
-
-// The few calls that its C++ library makes: the time, and writing to nowhere.
-function wasi(memory) {
-  const view = () => new DataView(memory().buffer);
-  return {
-    clock_time_get(id, precision, at) {
-      view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
-      return 0;
-    },
-    environ_get: () => 0,
-    environ_sizes_get: (count, size) => (view().setUint32(count, 0, true), view().setUint32(size, 0, true), 0),
-    fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8,
-    proc_exit() { throw new WebAssembly.RuntimeError('exit'); },
-  };
-}
-
-// The engine's functions and memory. `bytes`: of engine.bin, WebAssembly under deflate, a third of its size; it is
-// fetched unless the page has it.
-async function load_engine(bytes) {
-  let instance;
-  const imports = {wasi_snapshot_preview1: wasi(() => instance.exports.memory)};
-  bytes ??= await answer_of(new URL('engine.bin', import.meta.url), 'engine.bin', (answer) => answer.arrayBuffer());
-  const code = await new Response(inflating([bytes])).arrayBuffer().catch(() => new ArrayBuffer(0));
-  if (!WebAssembly.validate(code))
-    refuse('engine.bin is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.');
-  try {
-    ({instance} = await WebAssembly.instantiate(code, imports));
-  } catch (error) {
-    if (!(error instanceof WebAssembly.CompileError)) throw error;
-    refuse("The server's Content-Security-Policy forbids WebAssembly: its script-src needs 'wasm-unsafe-eval'.");
-  }
-  instance.exports._initialize();
-  return instance.exports;
-}
-
 const memory = (type, at, count) => new type(engine.memory.buffer, at, count);
 function put(array) {
   memory(array.constructor, engine.room(array.byteLength), array.length).set(array);
 }
-// The engine's text at an address, where a 0 ends it.
-function text_at(at) {
-  const bytes = memory(Uint8Array, at);
-  return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
-}
+const text_at = (at) => text_of(engine, at);
 const check = (worked) => worked || refuse(text_at(engine.fault()));
 // `verb`: of ClockCommand in engine.cpp.
 const play = (verb, number = 0) => check(engine.play(verb, number));
@@ -79,7 +40,8 @@ async function open({url, files, json, wasm, calm, gone}) {
   stands_still = calm;
   if (gone) clip = undefined;
   let packed;
-  [engine, packed] = await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files)]);
+  [engine, packed] = await Promise.all(
+    [engine ?? load_engine('engine.bin', wasm), PackedClip.open(files ? json : url, files)]);
   if (packed.text === gone?.text) throw gone.error;
   const {times, frames, live, json: {name, remarks, numbers}} = packed;
   if (text_at(engine.scene_names()) !== Object.keys(numbers).join('\n'))
@@ -98,7 +60,7 @@ async function open({url, files, json, wasm, calm, gone}) {
 
 // Reads a picture that a person will open, and tells what its levels seem to mean.
 async function read({bytes, name}) {
-  engine ??= await load_engine();
+  engine ??= await load_engine('engine.bin');
   const {width, height, bits, codes} = await unpack_png(bytes);
   put(codes);
   if (!engine.read_picture(width, height, bits)) refuse(`${name} ${text_at(engine.fault())}.`);
@@ -311,8 +273,7 @@ function reset() {
 
 // `again`: whether the page may ask to go on.
 function faulty(error, again = false) {
-  // After a trap, or without memory, nothing that the engine has can be relied on.
-  const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+  const trapped = has_trapped(error);
   if (trapped || error.is_final) engine = clip = session = undefined;
   const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : error.message;
   postMessage({is: 'fault', text, fatal: !clip, again});
@@ -334,14 +295,6 @@ const work = {
     for (const plane of Object.values(clip.planes)) plane.kept = [];
     session.feeding = false;
   },
-  // Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name.
-  async lab({name, numbers}) {
-    engine ??= await load_engine();
-    if (!name) return;  // it shall only be loaded
-    const worked = engine[name](...numbers), text = text_at(engine.lab_text());
-    if (!worked) refuse(text);
-    postMessage({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
-  },
   async due({width, height, pressed: presses}) {
     engine.size(width, height);
     if (presses !== pressed) engine.hand(7, presses, 0);  // HandCommand::press
@@ -359,5 +312,5 @@ function in_turn(job) {
   return done;
 }
 onmessage = ({data}) => in_turn(async () => {
-  if (clip || ['open', 'read', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
+  if (clip || ['open', 'read', 'picture'].includes(data.do)) await work[data.do]?.(data);
 }).catch(faulty);

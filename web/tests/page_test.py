@@ -9,6 +9,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import socket
 import struct
@@ -578,6 +579,17 @@ class Page(unittest.TestCase):
         time.sleep(0.5)
         self.assertFalse(self.browser.run("return touchable.state.playing"))
         self.browser.reduce_motion(False)
+
+    def test_lab_forces_equal_native_ones(self):
+        with Server(CLIPS.page) as server:
+            self.browser.open(server.url + "lab.html")
+            for experiment, cases in (("filters", 4), ("figure-19", 10)):
+                start = f"document.querySelector('#{experiment} button')"
+                self.browser.wait(f"return !!{start}")
+                self.browser.run(start + ".click()")
+                self.browser.wait("return document.getElementById('status').textContent === "
+                                  f"\"Done. Force hashes: {cases} equal the program's, 0 do not.\"")
+            self.assertFalse([name for name in server.asked if re.match(r"engine-.*\.bin", name)])
 
     def test_one_file_from_disk(self):
         file = OUT / "touch.html"
