@@ -8,7 +8,7 @@
 
 const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25;
 const first_bytes = 1 << 16, run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
-export const roles = ['depth', 'haptic', 'height', 'colour'];
+const roles = ['depth', 'haptic', 'height', 'colour'];
 
 const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
 
@@ -92,8 +92,7 @@ export class PackedClip {
   // `place`: the URL of clip.json, or with `files` its text; `files`: the planes' files as Blobs, by name.
   static async open(place, files) {
     const clip = Object.assign(new PackedClip(), {files, base: place});
-    clip.text = files ? place
-      : await answer_of(place, 'clip.json', (answer) => answer.text(), {cache: 'no-cache'});
+    clip.text = files ? place : await answer_of(place, 'clip.json', (answer) => answer.text(), {cache: 'no-cache'});
     try {
       clip.json = JSON.parse(clip.text);
     } catch {

@@ -13,7 +13,13 @@
 // colours lie where they are in the picture, whatever the depth: then two triangles are enough, which a CPU draws in
 // a tenth of the time.
 
+const overlays = ['colour', 'shape', 'depth', 'stiffness', 'friction', 'height', 'missing'];
+const missing = [87, 181, 232], bytes_of = (colour) => [0, 8, 16].map((shift) => colour >> shift & 255);
+export const missing_colour = `rgb(${missing})`;
+export const css_of = (colour) => `rgb(${bytes_of(colour)})`;
+
 const both_begin = `#version 300 es
+${overlays.map((name, k) => `#define SHOWS_${name} (shown == ${k})`).join('\n')}
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -55,7 +61,7 @@ void main() {
   if (q <= 0.0)
     for (int k = -2; k <= 2; ++k) q = max(q, q_at(place(gl_VertexID + k)));
   light = 1.0;
-  if (shown != 0) {  // colours have their own light
+  if (!SHOWS_colour) {  // colours have their own light
     vec3 normal = vec3(slope(pixel, ivec2(stride, 0), q), slope(pixel, ivec2(0, stride), q), 1.0);
     light = 0.34 + 0.72 * max(dot(normalize(normal), normalize(vec3(-0.45, -0.6, 0.8))), 0.0);
   }
@@ -80,18 +86,19 @@ void main() {
   if (is_flat && texelFetch(depths, pixel, 0).r <= 0.0) discard;
   float share = clamp((depth - range.x) / max(range.y - range.x, 1e-9), 0.0, 1.0);
   vec3 seen;
-  if (shown == 0) seen = texture(colour, (at + 0.5) / vec2(size)).rgb;
-  else if (shown == 1) seen = mix(vec3(0.93, 0.89, 0.83), vec3(0.36, 0.39, 0.45), share) * light;
-  else if (shown == 6) {
+  if (SHOWS_colour) seen = texture(colour, (at + 0.5) / vec2(size)).rgb;
+  else if (SHOWS_shape) seen = mix(vec3(0.93, 0.89, 0.83), vec3(0.36, 0.39, 0.45), share) * light;
+  else if (SHOWS_missing) {
     bool striped = ((pixel.x + pixel.y) >> 2 & 1) == 1;
     bool valid = texelFetch(depths, pixel, 0).r > 0.0;
-    seen = valid ? vec3(0.34, 0.71, 0.91) * (0.5 + 0.5 * light) : vec3(striped ? 0.36 : 0.24);
+    seen = valid ? vec3(ivec3(${missing})) / 255.0 * (0.5 + 0.5 * light) : vec3(striped ? 0.36 : 0.24);
   } else {
-    if (shown == 2) share = 1.0 - share;
-    else if (shown == 3) share = texelFetch(haptic, pixel, 0).r;
-    else if (shown == 4) share = texelFetch(haptic, pixel, 0).g;
+    if (SHOWS_depth) share = 1.0 - share;
+    else if (SHOWS_stiffness) share = texelFetch(haptic, pixel, 0).r;
+    else if (SHOWS_friction) share = texelFetch(haptic, pixel, 0).g;
     else share = clamp(texelFetch(heights, pixel, 0).r / max(range.y, 1e-9), 0.0, 1.0);
-    seen = texture(ramp, vec2((share * 10.0 + 0.5) / 11.0, 0.5)).rgb * (shown == 2 ? 1.0 : 0.55 + 0.45 * light);
+    float end = 0.5 / float(textureSize(ramp, 0).x);
+    seen = texture(ramp, vec2(mix(end, 1.0 - end, share), 0.5)).rgb * (SHOWS_depth ? 1.0 : 0.55 + 0.45 * light);
   }
   painted = vec4(seen, 1.0);
 }`;
@@ -100,13 +107,6 @@ void main() {
 const textures = {depths: ['R32F', 'RED', 'FLOAT', 'NEAREST'], colour: ['RGBA8', 'RGBA', 'UNSIGNED_BYTE', 'LINEAR'],
   haptic: ['RGB8', 'RGB', 'UNSIGNED_BYTE', 'NEAREST'], heights: ['R32F', 'RED', 'FLOAT', 'NEAREST'],
   ramp: ['RGB8', 'RGB', 'UNSIGNED_BYTE', 'LINEAR']};
-const noticed_degrees = 18.4;  // error of a force's direction: engine/base/hand_thresholds.hpp
-const overlays = ['colour', 'shape', 'depth', 'stiffness', 'friction', 'height', 'missing'];
-
-// The window's ramp (player/draw/legends.cpp) in ten equal steps: lightness grows evenly as perceived.
-export const ramp_colours = ['#251467', '#26346f', '#294d77', '#31657e', '#3f7c83', '#559288',
-  '#6ea78b', '#8cbd8e', '#add08f', '#d2e38f', '#f9f48e'];
-
 export class SurfacePicture {
   constructor(canvas) {
     Object.assign(this, {canvas, planes: {}, stride: 1, pictures: 0, drawn_ms: 0, highest: 0, range: [0, 1]});
@@ -141,8 +141,6 @@ export class SurfacePicture {
         gl.texParameteri(gl.TEXTURE_2D, gl['TEXTURE_' + which], gl[value]);
       this.fill(name, 1, 1, null);
     }
-    const ramp = ramp_colours.flatMap((hex) => [1, 3, 5].map((k) => parseInt(hex.slice(k, k + 2), 16)));
-    this.fill('ramp', ramp_colours.length, 1, new Uint8Array(ramp));
     this.stale = new Set(Object.keys(this.planes));
   }
 
@@ -153,13 +151,15 @@ export class SurfacePicture {
   }
 
   // Forgets the planes of the clip before.
-  begin({width, height, far}) {
+  begin({width, height, far, table}) {
     const most = this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) ?? Infinity;
     if (Math.max(width, height) > most)
       throw new Error(`This picture has ${width} x ${height} pixels; this device draws ${most} a side.`);
     this.planes.colour?.close();
-    this.planes = {};
-    Object.assign(this, {width, height, range: [0, 1], is_measured: false, far: 0.999 * (far || Infinity)});
+    const ramp = new Uint8Array(table.ramp.flatMap(bytes_of));
+    this.planes = {ramp: Object.assign(ramp, {width: table.ramp.length, height: 1})};
+    this.stale = new Set(['ramp']);
+    Object.assign(this, {width, height, table, range: [0, 1], is_measured: false, far: 0.999 * (far || Infinity)});
   }
 
   // A plane that is not there stays as it was. All are kept for a lost context.
@@ -175,7 +175,7 @@ export class SurfacePicture {
   update(shown) {
     const others = {colour: 'colour', stiffness: 'haptic', friction: 'haptic', height: 'heights'};
     if (shown !== 'colour' && this.stale.has('depths')) this.measure(this.planes.depths);
-    for (const name of ['depths', others[shown]]) {
+    for (const name of ['ramp', 'depths', others[shown]]) {
       const plane = this.planes[name];
       if (!plane || !this.stale.delete(name)) continue;
       const samples = name === 'heights' ? Float32Array.from(plane) : plane;
@@ -213,8 +213,8 @@ export class SurfacePicture {
     gl.uniform1i(at.last, 2 * columns - 1);
     gl.uniform1i(at.shown, overlays.indexOf(shown));
     gl.uniform1f(at.hole_q, shown === 'missing' ? 1 / this.range[1] : 0);
-    // Turned views do not draw a curtain between depths that differ by more than 6 % (shaders/cut_rule.h).
-    gl.uniform1f(at.cut_ratio, own_view ? 0 : 1 / (1.06 ** stride));
+    // Turned views do not draw a curtain between depths that differ by more (shaders/cut_rule.h).
+    gl.uniform1f(at.cut_ratio, own_view ? 0 : 1 / (this.table.cut_ratio ** stride));
     gl.uniform2f(at.range, ...(shown === 'height' ? [0, this.highest] : this.range));
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, (2 * columns + 2) * rows);
     // Now and then wait for a picture, by reading a pixel, to know how long one takes.
@@ -224,11 +224,9 @@ export class SurfacePicture {
   }
 }
 
-const finger_colours = ['#0072b2', '#e69f00', '#009e73', '#d55e00', '#cc79a7'];  // Okabe and Ito, as in the window
-
 // Fingers above the picture; `unit`: canvas pixels of a CSS pixel, `size`: of the picture, `least`: a finger's radius,
 // CSS pixels. The canvas is as small as it can be: one as large as the picture would halve a slow device's rate.
-export function paint_fingers(canvas, unit, size, least, fingers) {
+export function paint_fingers(canvas, unit, size, least, fingers, {fingers: colours, hover_mm, noticed_degrees}) {
   const c = canvas.getContext('2d'), turn = 2 * Math.PI, radius = Math.max(least * unit, 0.016 * size);
   const points = fingers.flatMap(({at, goal, tip}) => [at, goal, tip])
     .map((place) => place.map((value) => Math.min(Math.max(value, -radius), 2 * size)));
@@ -264,7 +262,7 @@ export function paint_fingers(canvas, unit, size, least, fingers) {
   };
   fingers.forEach((finger, k) => {
     const {at, goal, tip, touching, newtons, depth_mm} = finger, [x, y] = at;
-    const lift = touching ? 0 : Math.min(Math.max(0, -depth_mm) / 4, 2);
+    const lift = touching ? 0 : Math.min(Math.max(0, -depth_mm) / hover_mm, 2);
     const dark = [0.75, 0.4, 0].map((share) => `rgba(0,0,0,${share / (1 + lift)})`);
     shade(x + lift * radius, y + (0.3 + lift) * radius, (1.6 + 0.5 * lift) * radius, ...dark);
     if (touching) {
@@ -272,7 +270,7 @@ export function paint_fingers(canvas, unit, size, least, fingers) {
       circle(...goal, 0.7 * radius, '#fff4');
     }
     circle(x, y, radius + 1.5 * unit, '#ffffffe6');
-    circle(x, y, radius, finger_colours[k % 5]);
+    circle(x, y, radius, css_of(colours[k]));
     shade(x - 0.35 * radius, y - 0.4 * radius, 0.9 * radius, '#ffffffbf', '#fff0');
     // The ring shrinks as the finger comes down and presses; it is full at the limit.
     const r = radius * (1.75 + Math.min(0.8, 0.4 * lift) - Math.min(0.3, 0.06 * newtons));

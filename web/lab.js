@@ -23,7 +23,7 @@ const filters = [
   {words: 'median 3x3', of: [3, 0, 0], colour: '#e8a86d'},
   {words: 'median 5x5', of: [5, 0, 0], colour: '#e86d8a'},
   {words: '5x5, terraces removed', of: [5, 1, 0], colour: '#6db9e8'},
-  {words: 'and averaged over frames', of: [5, 1, 1], colour: '#8fe0a0', averages: true},
+  {words: 'and averaged over frames', of: [5, 1, 1], colour: '#8fe0a0', averages: true}
 ];
 // The last two cells of a row: the force hash, and what the program's own says of it.
 const verdict = (hash, native) =>
@@ -108,7 +108,7 @@ const experiments = {
     return [[{title: 'Error of the normals, RMS', lines,
       x: {name: 'noise, levels', from: 0, to: 3, ticks: [0, 1, 2, 3]},
       y: {name: 'degrees', from: 0.1, to: 100, log: true, ticks: [0.1, 1, 10, 100]}}], kept];
-  },
+  }
 };
 
 // Draws panels side by side: {title, x, y, lines}. An axis is {name, from, to, log, ticks, words}, a line {points,

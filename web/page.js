@@ -6,7 +6,7 @@
 // 'state', which is drawn at once. Nothing runs while the page is hidden. `?clip=URL` names the clip, `?kiosk` makes an
 // unattended exhibit.
 
-import {SurfacePicture, paint_fingers, ramp_colours} from './draw.js';
+import {SurfacePicture, css_of, missing_colour, paint_fingers} from './draw.js';
 import {ContactSound, tremble} from './sound.js';
 import {keys} from './words.js';
 
@@ -17,15 +17,7 @@ const one_file = globalThis.touchable_one_file;  // touch.html: {worker: URL, cl
 const canvas = $('picture'), stage = $('stage'), invitation = $('invitation'), sound = new ContactSound();
 const invited_again_ms = 20000, reset_ms = 60000, try_again_ms = 60000;
 
-// For tests; `advance` lets so many ms pass for an exhibit without a visitor.
-const touchable = globalThis.touchable = {
-  worker: null, clip: null, state: null, frames_drawn: 0, pictures_drawn: 0, errors: [],
-  advance(ms) {
-    last_input -= ms;
-    fault_at -= ms;
-    watch_exhibit();
-  }
-};
+const page = {worker: null, clip: null, state: null};
 let picture = null;
 let unit = 1, width = 1, height = 1;  // canvas pixels of a CSS pixel; of the stage
 let unanswered = Infinity;  // 'due's: one may be under way while the answer to another is drawn
@@ -36,7 +28,7 @@ let last_input = performance.now(), last_tick = 0, asked_at = 0;
 let fault_at = Infinity, over = '';  // when something failed, or was last tried again; the page's last words
 const held = new Map();  // pointers that are down, with the buttons of each
 
-const post = (message, transfer = []) => touchable.worker.postMessage(message, transfer);
+const post = (message, transfer = []) => page.worker.postMessage(message, transfer);
 const play = (verb, number = 0) => post({do: 'play', verb, number});
 const hand = (verb, a = 0, b = 0) => post({do: 'hand', verb, a, b});
 function put(element, text) {
@@ -55,7 +47,6 @@ function show_message(text, stops = false) {
 const show_rest = () => show_message(over || (has_begun ? '' : 'Loading the first picture …'), !!over);
 // `again`: whether it may help to ask the worker once more. A clip that fails before its first picture is over.
 function show_fault(text, fatal = false, again = false) {
-  if (touchable.errors.length < 100) touchable.errors.push(text);
   fatal ||= again && !has_begun;
   if (fatal) over = text;
   fault_at = performance.now();
@@ -81,12 +72,12 @@ async function begin_anew() {
   else show_rest();
 }
 function say_finger() {
-  const {pick, fingers: [finger]} = touchable.state, mm = Math.abs(finger?.depth_mm).toFixed(1);
+  const {pick, fingers: [finger]} = page.state, mm = Math.abs(finger?.depth_mm).toFixed(1);
   const where = !(pick?.valid > 0) ? 'nothing to touch'
     : `distance ${pick.depth_m.toFixed(3)} metres, ${mm} millimetres ` +
       (finger?.touching ? 'deep' : 'above the surface');
   const error = finger?.error_degrees >= 0 ? `, right to ${finger.error_degrees.toFixed(0)} degrees` : '';
-  const text = finger ? `${touchable.clip.name}: ${where}, ${finger.newtons.toFixed(1)} newtons${error}`
+  const text = finger ? `${page.clip.name}: ${where}, ${finger.newtons.toFixed(1)} newtons${error}`
     : 'No finger is on the picture.';
   put($('said'), '');
   setTimeout(() => put($('said'), text), 60);  // or the same words would not be read again
@@ -96,7 +87,7 @@ function say_finger() {
 
 const answers = {
   clip(clip) {
-    [touchable.clip, touchable.state] = [clip, null];
+    [page.clip, page.state] = [clip, null];
     over = '';
     end_fault();
     picture.begin(clip);
@@ -119,7 +110,7 @@ const answers = {
   },
   state({planes, ...state}) {
     unanswered = Math.max(unanswered - 1, 0);
-    touchable.state = state;
+    page.state = state;
     if (state.frame < 0) return;  // at a clip's beginning; what was shown before stays
     if (!has_begun) show_begun(true);
     if (planes) picture.show(planes);
@@ -146,14 +137,12 @@ function draw({matrix, own_view, fingers}, is_new = false) {
   const overlay = $('overlay').value;
   const view = [overlay, own_view, canvas.width, canvas.height, picture.stride, matrix].join();
   if (is_new || view !== drawn_view) {
-    const drew = picture.draw(matrix, own_view, overlay);
-    touchable.pictures_drawn += drew;
-    touchable.frames_drawn += drew && is_new;
+    picture.draw(matrix, own_view, overlay);
     drawn_view = view;
     if (picture.drawn_ms) keep_pace(picture.drawn_ms);
   }
   const marks = JSON.stringify(fingers), size = Math.min(width, 1.4 * height);
-  if (marks !== drawn_fingers) paint_fingers($('fingers'), unit, size, by_touch ? 15 : 9, fingers);
+  if (marks !== drawn_fingers) paint_fingers($('fingers'), unit, size, by_touch ? 15 : 9, fingers, page.clip.table);
   drawn_fingers = marks;
 }
 
@@ -162,7 +151,7 @@ function draw({matrix, own_view, fingers}, is_new = false) {
 function show_state(state) {
   const tenths = Math.floor(10 * state.time + 0.05), [time, frame] = $('time').children;
   const seconds = `${String(Math.floor(tenths / 10) % 60).padStart(2, '0')}.${tenths % 10}`;
-  put(time, touchable.clip.live ? 'live' : `${Math.floor(tenths / 600)}:${seconds}`);
+  put(time, page.clip.live ? 'live' : `${Math.floor(tenths / 600)}:${seconds}`);
   put(frame, ` frame ${state.frame}`);
   if (!seeking) $('seek').value = state.time;
   $('seek').setAttribute('aria-valuetext', `${time.textContent}, frame ${state.frame}`);
@@ -179,7 +168,7 @@ function show_state(state) {
   newton.hidden = !state.force_on;
   force.firstElementChild.style.transform = `scaleX(${share.toFixed(3)})`;
   show_values(state.pick);
-  if (!$('legend').hidden) show_legend(touchable.clip);
+  if (!$('legend').hidden) show_legend(page.clip);
 }
 
 function show_values(pick) {
@@ -188,13 +177,14 @@ function show_values(pick) {
   put($('values'), !pick.valid ? 'nothing to touch' : `distance ${pick.depth_m.toFixed(4)} m\n` +
     `stiffness ${pick.stiffness.toFixed(2)} N/mm\n` +
     `friction ${pick.friction_static.toFixed(2)}, sliding ${pick.friction_dynamic.toFixed(2)}` +
-    (touchable.clip.planes.includes('height') ? `\nheight ${pick.height_mm.toFixed(2)} mm` : ''));
+    (page.clip.planes.includes('height') ? `\nheight ${pick.height_mm.toFixed(2)} mm` : ''));
 }
 
 function show_overlay(value) {
   $('overlay').value = value;
   $('legend').hidden = value === 'colour';
-  const colours = {missing: ['#57b5e8 50%', '#555 50%'], depth: [...ramp_colours].reverse()}[value] ?? ramp_colours;
+  const ramp = page.clip.table.ramp.map(css_of);
+  const colours = {missing: [`${missing_colour} 50%`, '#555 50%'], depth: [...ramp].reverse()}[value] ?? ramp;
   $('legend').children[1].style.background = `linear-gradient(90deg, ${colours})`;
 }
 const words_of = (metres) => (metres < 0.1 ? `${+(1000 * metres).toPrecision(3)} mm` : `${+metres.toPrecision(3)} m`);
@@ -228,7 +218,7 @@ function resize() {
   Object.assign(canvas, {width: Math.ceil(width * drawn), height: Math.ceil(height * drawn)});
   picture.stride = stride;
   drawn_view = drawn_fingers = '';
-  if (touchable.state) draw(touchable.state);  // a canvas with another size is black
+  if (page.state) draw(page.state);  // a canvas with another size is black
 }
 
 // ---- Pointers: mouse, pen and touches become the window's events. The stage begins in the page's corner.
@@ -258,22 +248,22 @@ function on_pointer(event) {
   }
   invitation.classList.add('over');
   for (const part of parts) send('moved', part);
-  // A second button comes as a movement, so the buttons are compared: bits of the event, numbers of the engine.
-  for (const [bit, button] of [[1, 1], [2, 2], [4, 3]])
-    if ((before ^ now) & bit) send(now & bit ? 'pressed' : 'released', event, {button});
+  // A second button comes as a movement, so the buttons are compared.
+  for (const button of [1, 2, 4])
+    if ((before ^ now) & button) send(now & button ? 'pressed' : 'released', event, {button});
 }
 
 // ---- Keys and gamepad
 
 const held_keys_repeat = ['deeper', 'point-down', 'point-right', 'turn', 'tilt', 'nearer', 'seek-by', 'step', 'louder'];
-// Verbs are those of ClockCommand and of HandCommand in engine.cpp.
+// `play` and `hand` take the names of ClockCommand and of HandCommand in engine.cpp.
 const commands = {
-  'play-pause': () => play(0), 'seek-by': (seconds) => play(2, seconds), step: (frames) => play(3, frames),
-  faster: (factor) => play(4, factor * touchable.state.speed), loop: () => play(5, touchable.state.loops ? 0 : 1),
-  fingers: (count) => hand(0, count), deeper: (mm) => hand(1, mm / 1000),
-  'point-right': (pixels) => hand(2, pixels * unit), 'point-down': (pixels) => hand(2, 0, pixels * unit),
-  force: () => hand(3), turn: (degrees) => hand(4, degrees), tilt: (degrees) => hand(4, 0, degrees),
-  nearer: (factor) => hand(5, factor), home: () => hand(6), turning: () => { turning = !turning; },
+  'play-pause': () => play('play_pause'), 'seek-by': (seconds) => play('seek_by', seconds), loop: () => play('loop'),
+  step: (frames) => play('step', frames), faster: (factor) => play('rate', factor * page.state.speed),
+  fingers: (count) => hand('count', count), deeper: (mm) => hand('deepen', mm / 1000),
+  'point-right': (pixels) => hand('point', pixels * unit), 'point-down': (pixels) => hand('point', 0, pixels * unit),
+  force: () => hand('force'), turn: (degrees) => hand('turn', degrees), tilt: (degrees) => hand('turn', 0, degrees),
+  nearer: (factor) => hand('near_by', factor), home: () => hand('home'), turning: () => { turning = !turning; },
   mute: () => set_sound(sound.volume, !sound.muted),
   louder: (number) => set_sound(Math.min(Math.max(sound.volume + number / 100, 0), 1), false),
   overlay() {
@@ -301,7 +291,7 @@ function binding_of(event) {
 }
 function on_key(event) {
   const {target, key} = event, over_picture = target === canvas || target === document.body;
-  if (event.altKey || event.metaKey || !touchable.state || document.querySelector('dialog[open]')) return;
+  if (event.altKey || event.metaKey || !page.state || document.querySelector('dialog[open]')) return;
   if (target.matches('select') || (!over_picture && /^(Enter| )$/.test(key))) return;
   if (target === $('seek') && /^(Arrow|Home|End|Page)/.test(key)) return;
   const found = binding_of(event), side = /Left|Up/.test(key) ? -1 : 1;
@@ -341,7 +331,7 @@ function note_input(pressed = false) {
 }
 function watch_exhibit() {
   const now = performance.now();
-  if (touchable.clip && !over && unanswered > 1 && now - asked_at >= try_again_ms) stop('The engine is silent.');
+  if (page.clip && !over && unanswered > 1 && now - asked_at >= try_again_ms) stop('The engine is silent.');
   if (now - fault_at >= try_again_ms) {
     fault_at = now;
     begin_anew();
@@ -416,7 +406,7 @@ function show_help() {
     else rows.push([hold + name, what]);
     held_before = hold;
   }
-  const {clip} = touchable, size_words = `${clip?.width} x ${clip?.height} pixels, ${clip?.frames || 'live'} frames`;
+  const {clip} = page, size_words = `${clip?.width} x ${clip?.height} pixels, ${clip?.frames || 'live'} frames`;
   const facts = clip ? [`${clip.name}: ${size_words}`, ...clip.remarks] : [];
   sections['This clip'] = facts.map((words) => [words, '']);
   const made = (tag, ...inside) => {
@@ -436,7 +426,7 @@ function tick(now) {
   requestAnimationFrame(tick);
   const ms = now - last_tick;
   last_tick = now;
-  if (!touchable.clip || unanswered > 1) return;
+  if (!page.clip || unanswered > 1) return;
   read_gamepad(Math.min(ms, 100) / 1000);
   post({do: 'due', width, height, pressed: enter_held || pad_presses});
   ++unanswered;
@@ -472,10 +462,10 @@ function connect_controls() {
   new ResizeObserver(resize).observe(stage);
   on($('play'), 'click', commands['play-pause']);
   for (const name of ['loop', 'turning', 'home', 'mute', 'help', 'fullscreen']) on($(name), 'click', commands[name]);
-  on($('speed'), 'click', () => play(4, {1: 0.5, 0.5: 0.25, 0.25: 2}[touchable.state.speed] ?? 1));
+  on($('speed'), 'click', () => play('rate', {1: 0.5, 0.5: 0.25, 0.25: 2}[page.state.speed] ?? 1));
   on($('seek'), 'input change', ({type}) => {
     seeking = type === 'input';
-    if (seeking) play(1, $('seek').valueAsNumber);
+    if (seeking) play('seek', $('seek').valueAsNumber);
   });
   on($('overlay'), 'change', () => show_overlay($('overlay').value));
   on($('bar'), 'click', ({target}) => {  // keys belong to the picture again, unless keys clicked
@@ -497,8 +487,6 @@ function connect_controls() {
 }
 
 function start() {
-  addEventListener('error', (event) => touchable.errors.push(event.message));
-  addEventListener('unhandledrejection', (event) => touchable.errors.push(String(event.reason)));
   document.body.classList.toggle('kiosk', kiosk);
   if (kiosk) setInterval(watch_exhibit, 1000);
   $('again').onclick = begin_anew;
@@ -507,18 +495,18 @@ function start() {
     if (!globalThis[need]) return stop(`This page needs ${need}, which this browser does not offer.`);
   try {
     picture = new SurfacePicture(canvas);
-    touchable.worker = new Worker(one_file?.worker ?? new URL('worker.js', import.meta.url), {type: 'module'});
+    page.worker = new Worker(one_file?.worker ?? new URL('worker.js', import.meta.url), {type: 'module'});
   } catch (error) {
     return stop(error.message);
   }
-  touchable.worker.onmessage = ({data}) => {
+  page.worker.onmessage = ({data}) => {
     try {
       answers[data.is]?.(data);
     } catch (error) {
       show_fault(error.message, true);
     }
   };
-  touchable.worker.onerror = (event) => stop(`The worker stopped: ${event.message || 'it cannot be loaded'}.`);
+  page.worker.onerror = (event) => stop(`The worker stopped: ${event.message || 'it cannot be loaded'}.`);
   set_sound(1, false);
   connect_controls();
   show_message('Loading the clip …');
