@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light on the surface, as light.comp and its twin (player/draw/drawn_surface.cpp) compute it. Compiled as
+// Light on the surface, as light.comp and its twin (player/view/drawn_surface.cpp) compute it. Compiled as
 // GLSL and as C++ (with GLM). Colours: 0 to 255 a channel, as brightness.
 // Threads: any; nothing here keeps state.
 #ifndef TOUCHABLE_SHADERS_SURFACE_LIGHT_H

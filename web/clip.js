@@ -8,28 +8,28 @@
 
 const most_frames = 1e6, most_side = 16384, most_pixels = 1 << 25;
 const first_bytes = 1 << 16, run_bytes = 1 << 20, most_kept = 64 << 20, most_whole = 256 << 20;
-export const roles = ['depth', 'haptic', 'height', 'colour'];
+const roles = ['depth', 'haptic', 'height', 'colour'];
 
 const is_whole = (value, least, most) => Number.isInteger(value) && value >= least && value <= most;
 
-/** `sentence`: for people. */
+// `sentence`: for people.
 export function refuse(sentence) {
   throw new Error(sentence);
 }
 
-/** A function that refuses what does not hold, by sentences that begin so. */
+// A function that refuses what does not hold, by sentences that begin so.
 export const requiring = (begin) => (condition, what) => condition || refuse(`${begin}: ${what}.`);
 const require = requiring('The clip is damaged, or was changed');
 
-/** `least`: pixels a side. */
+// `least`: pixels a side.
 export function check_size(width, height, least) {
   if (![width, height].every((side) => is_whole(side, least, most_side)) || width * height > most_pixels)
     refuse(`The picture has ${width} x ${height} pixels. This page takes ${least} x ${least} to ` +
       `${most_pixels / 1e6 | 0} million pixels, at most ${most_side} a side.`);
 }
 
-/** What `read` takes of a server's answer; an Error with a sentence if there is none, or if it breaks off. It `is_gone`
- *  if the server has no such file. */
+// What `read` takes of a server's answer; an Error with a sentence if there is none, or if it breaks off. It `is_gone`
+// if the server has no such file.
 export async function answer_of(url, name, read, options) {
   let answer;
   try {
@@ -42,14 +42,14 @@ export async function answer_of(url, name, read, options) {
   throw Object.assign(new Error(`There is no ${name}: the server answers ${answer.status}.`), {is_gone});
 }
 
-/** Takes exact numbers of bytes from a stream. */
+// Takes exact numbers of bytes from a stream.
 export class ByteReader {
   constructor(stream) {
     this.reader = stream.getReader();
     this.rest = new Uint8Array(0);
   }
 
-  /** Fills `bytes` from `at` on, and answers where it ended: before their end if the stream ends there. */
+  // Fills `bytes` from `at` on, and answers where it ended: before their end if the stream ends there.
   async fill(bytes, at = 0) {
     while (at < bytes.length && await this.has_more()) {
       const part = this.rest.subarray(0, bytes.length - at);
@@ -74,12 +74,12 @@ export class ByteReader {
   }
 }
 
-/** What the pieces inflate to, as a stream. */
+// What the pieces inflate to, as a stream.
 export const inflating = (pieces, format = 'deflate-raw') =>
   new Blob(pieces).stream().pipeThrough(new DecompressionStream(format));
 
-/** Fills `whole`, from `at` on, with what the pieces inflate to, and answers where that ended. 0: they are damaged, or
- *  inflate to more; then no more is taken in. */
+// Fills `whole`, from `at` on, with what the pieces inflate to, and answers where that ended. 0: they are damaged, or
+// inflate to more; then no more is taken in.
 export async function inflate_into(whole, at, pieces, format) {
   const reader = new ByteReader(inflating(pieces, format));
   const filled = async () => [await reader.fill(whole, at), await reader.has_more()];
@@ -89,11 +89,10 @@ export async function inflate_into(whole, at, pieces, format) {
 }
 
 export class PackedClip {
-  /** `place`: the URL of clip.json, or with `files` its text; `files`: the planes' files as Blobs, by name. */
+  // `place`: the URL of clip.json, or with `files` its text; `files`: the planes' files as Blobs, by name.
   static async open(place, files) {
     const clip = Object.assign(new PackedClip(), {files, base: place});
-    clip.text = files ? place
-      : await answer_of(place, 'clip.json', (answer) => answer.text(), {cache: 'no-cache'});
+    clip.text = files ? place : await answer_of(place, 'clip.json', (answer) => answer.text(), {cache: 'no-cache'});
     try {
       clip.json = JSON.parse(clip.text);
     } catch {
@@ -118,7 +117,7 @@ export class PackedClip {
     this.times = json.times_ns ?? [];
     require(Array.isArray(this.times) && [0, this.frames].includes(this.times.length) &&
       this.times.every((time) => is_whole(time, 0, Number.MAX_SAFE_INTEGER)), 'its times are not one for each frame');
-    const {error_bars_to: to = 0} = json; // null: everywhere
+    const {error_bars_to: to = 0} = json;  // null: everywhere
     require(to === null || Number.isFinite(to), 'it does not say how far its error bars hold');
     this.error_bars_to = to ?? Infinity;
     this.planes = {};
@@ -146,14 +145,14 @@ export class PackedClip {
     return plane;
   }
 
-  /** The number of the frame whose packet this frame shows: the same for frames that show one picture. A live clip
-   *  shows the newest colour. */
+  // The number of the frame whose packet this frame shows: the same for frames that show one picture. A live clip
+  // shows the newest colour.
   own(role, frame) {
     if (this.live) return role === 'colour' ? 'newest' : frame;
     return this.planes[role].own[frame];
   }
 
-  /** Bytes from `at` on of a plane's file, from what is kept, or fetched with what follows. */
+  // Bytes from `at` on of a plane's file, from what is kept, or fetched with what follows.
   async bytes(plane, at, size) {
     const holds = (run) => run.at <= at && at + size <= run.at + run.bytes.length;
     let run = plane.kept.find(holds);
@@ -182,7 +181,7 @@ export class PackedClip {
     }, {headers: {Range: `bytes=${at}-${end - 1}`}});
   }
 
-  /** A packet with its content inflated; of colour the packet as it is. */
+  // A packet with its content inflated; of colour the packet as it is.
   async picture(role, frame) {
     const plane = this.planes[role], own = plane.own[frame], begin = own > 0 ? plane.ends[own - 1] : 0;
     return this.unpacked(plane, await this.bytes(plane, begin, plane.ends[own] - begin));
@@ -202,7 +201,7 @@ export class PackedClip {
   }
 }
 
-/** Framesets of a live source, as they come: packets by role. */
+// Framesets of a live source, as they come: packets by role.
 export async function* live_framesets(url, planes, signal) {
   const reader = await answer_of(url, 'live stream', (answer) => new ByteReader(answer.body), {signal});
   const taken = async (size) => {

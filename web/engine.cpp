@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// The engine of the page: surface, touch solver, pointer, view and sound of one clip, for one worker of a
-// browser.
+// The engine of the page: surface, touch solver, pointer, view and sound of one clip, for a browser's worker.
 //
 // The worker fetches and inflates pictures; all else is here, and is the engine that the program has. It is
 // called by plain functions with numbers; bytes pass through `room`. A function that can fail returns 0, and
-// `fault` says why, in words for a person. In virtual time (`begin` with a script)
-// `run` stops before a tick whose frames are missing; in the page's own time it takes those that are there.
+// `fault` says why, in words for a person; `table` has what page and worker know by name. In virtual time
+// (`begin` with a script) `run` stops before a tick whose frames are missing; in the page's own time it takes
+// those that are there.
 
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <ranges>
 #include <string>
 #include <vector>
 
 #include "device/haptic_device.hpp"
+#include "engine/base/hand_thresholds.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "engine/formats/depth_values.hpp"
@@ -25,20 +27,15 @@
 #include "engine/surface/depth_estimator.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/audio/contact_sound.hpp"
-#include "player/draw/drawn_surface.hpp"
-#include "player/draw/view.hpp"
-#include "player/window/pointer.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/pointer.hpp"
+#include "player/view/view.hpp"
 
 #define EXPORTED(name) __attribute__((export_name(#name)))
 
 namespace touchable {
 
-std::shared_ptr<std::uint8_t> take_plane_memory(std::size_t bytes, PlaneContent) {
-    return {new std::uint8_t[bytes](), std::default_delete<std::uint8_t[]>()};
-}
-
-// A page shows no remarks (a person sees nearest and farthest before a picture is opened), and keeps memory.
-void give_back(void*, std::size_t) {}
+// A page shows no remarks: a person sees nearest and farthest before a picture is opened.
 std::optional<Remark> unit_doubt(double, std::string, Hints) {
     return {};
 }
@@ -46,7 +43,7 @@ std::string remark_text(const Remark& remark) {
     return remark.what;
 }
 
-/// Commands of the page to the clip's clock, and to the hand and its view; page.js has the same numbers.
+/// Commands of the page to the clip's clock, and to the hand and its view.
 enum class ClockCommand { play_pause, seek, seek_by, step, rate, loop };
 enum class HandCommand { count, deepen, point, force, turn, near_by, home, press };
 
@@ -57,21 +54,56 @@ namespace {
 constexpr int pointer_fingers = PointerFingers::most, most_ticks_at_once = 1000;
 constexpr double metres_per_newton = 0.004;  // an arrow's length, of the hand
 
-/// What the page sees of a finger, as doubles.
-struct ShownFinger {
-    double shown;
-    glm::dvec2 at, goal, tip;
-    double newtons, touching, share, depth_mm, stiffness, friction, error_degrees;
-};
-/// What the page sees, as doubles; worker.js has the same list.
-struct Shown {
-    double tick, seconds, playing, at_end, loops, rate, force_on, own_view, newtons, rumble_low, rumble_high,
-        fingers;
-    double picked = -1, depth_m, stiffness, static_friction, dynamic_friction, height_mm;
-    double sound, sound_samples;  // address of the samples, floats, valid until the next look; how many
-    double matrix[16];
+/// A struct of doubles for the worker, with the names of its members as a member of a JSON object.
+#define DOUBLES(type, ...)                                                       \
+    constexpr const char* type##_members = "\"" #type "\":\"" #__VA_ARGS__ "\""; \
+    struct type {                                                                \
+        double __VA_ARGS__;                                                      \
+    }
+
+/// What the page sees of the clip and the hand. `sound`: address of its samples, floats, valid until the next
+/// `aim`.
+DOUBLES(Shown, tick, time, playing, at_end, loops, speed, force_on, own_view, newtons, rumble_low,
+        rumble_high, fingers, sound, sound_samples, matrix[16]);
+/// Of the pixel that the person looks at. `valid`: 0 in a hole, below 0 if there is none.
+DOUBLES(ShownPick, valid, depth_m, stiffness, friction_static, friction_dynamic, height_mm);
+DOUBLES(ShownFinger, at[2], goal[2], tip[2], newtons, touching, share, depth_mm, stiffness, friction,
+        error_degrees);
+struct ShownAll : Shown {
+    ShownPick pick;
     ShownFinger finger[pointer_fingers];
 };
+/// What a person is asked about a picture of depth alone: metres of a grey level (0: it has no unit), the
+/// values that may be lengths, and metres without a unit.
+DOUBLES(PictureGuess, metres, white_near, least, most, near, far);
+
+/// The numbers by name of an enum's values up to this one, as Clang calls a template's argument.
+template <auto value>
+std::string numbers_to() {
+    std::string words = __PRETTY_FUNCTION__;  // "... [value = touchable::HandCommand::turn]"
+    words.back() = '"';
+    words = formatted("\"%s:%d", words.substr(words.rfind(':') + 1).c_str(), static_cast<int>(value));
+    if constexpr (static_cast<int>(value) > 0)
+        return numbers_to<static_cast<decltype(value)>(static_cast<int>(value) - 1)>() + "," + words;
+    return words;
+}
+
+/// All that page and worker know by name, as JSON. The window's ramp comes in ten equal steps.
+std::string page_table() {
+    const auto colours = [](int count, auto&& colour_of) {
+        return listed(std::views::iota(0, count), [&](int k) { return std::to_string(colour_of(k)); });
+    };
+    return formatted(
+        R"({"ClockCommand":{%s},"HandCommand":{%s},"EventKind":{%s},"Role":{%s},"scene":"%s",%s,%s,%s,%s,)"
+        R"("cut_ratio":%g,"hover_mm":%g,"noticed_degrees":%g,"ramp":[%s],"fingers":[%s]})",
+        numbers_to<ClockCommand::loop>().c_str(), numbers_to<HandCommand::press>().c_str(),
+        numbers_to<InputEvent::Kind::close>().c_str(), numbers_to<height_role>().c_str(),
+        listed(numbers_of(Scene()), &SceneNumber::name, "\\n").c_str(), Shown_members, ShownPick_members,
+        ShownFinger_members, PictureGuess_members, static_cast<double>(CUT_RULE_RATIO),
+        -1000 * PointerFingers::hover_m, hand_thresholds::seen_degrees,
+        colours(11, [](int k) { return ramp_colour(k / 10.0); }).c_str(),
+        colours(pointer_fingers, finger_colour).c_str());
+}
 
 /// What is kept of a clip when it goes back to its beginning. A still picture is a clip of one frame.
 struct OpenedClip {
@@ -96,7 +128,8 @@ public:
         : opened_(std::move(opened)),
           script_(std::move(script)),
           count_(fingers),
-          log_(std::make_shared<PlaybackLog>(std::move(commands), script_.empty() ? room_for_commands : 0)) {}
+          run_(surface_,
+               std::make_shared<PlaybackLog>(std::move(commands), script_.empty() ? room_for_commands : 0)) {}
     const OpenedClip& opened() const { return opened_; }
 
     // ---- Frames
@@ -148,7 +181,8 @@ public:
             std::max(place.next_number, 1 + (has_looped ? scene_.rate.frame_at(moment_.time_ns) : number));
         surface_.go_to(place);
         // In a loop the hand waits for two frames; a late page has one at a time.
-        if (script_.empty() && (has_looped || place.next_number > number + 1)) surface_.timeline().end_epoch();
+        if (script_.empty() && (has_looped || place.next_number > number + 1))
+            surface_.timeline().end_epoch();
         return {};
     }
 
@@ -165,6 +199,22 @@ public:
             if (!has_run) return done;
         }
         return ticks;
+    }
+
+    /// A moment of the run (TouchRun::save), which another clip of these pictures takes up after its first
+    /// tick.
+    Result<std::vector<std::uint8_t>> save() {
+        if (opened_.is_live || !hand_)
+            return usage_error("a live clip, or one without a tick, has no moment to save");
+        return run_.save();
+    }
+    Result<void> load(std::span<const std::uint8_t> moment) {
+        if (opened_.is_live || !hand_)
+            return usage_error("a moment is taken up by a clip that has had a tick");
+        TRY(run_.load(moment));
+        moment_ = run_.moment();
+        resumes_ = true;
+        return {};
     }
 
     /// A live source has no clock to command.
@@ -215,33 +265,42 @@ public:
         hand_->by_pen = pen > 0;
     }
 
-    /// Sets the fingers' goals for the next ticks, and tells what is to be seen.
-    const Shown* look() {
-        shown_ = {};
-        shown_.playing = state_.playing && !state_.at_end;
-        if (!hand_) return &shown_;
+    /// Once a picture: sets the fingers' goals for the next ticks, and takes the sound of the last ones.
+    void aim() {
+        if (!hand_) return;
         const HeightField field = run_.field();
-        shown_.tick = static_cast<double>(tick_);
-        shown_.seconds = 1e-9 * static_cast<double>(state_.moment.time_ns);
-        shown_.at_end = state_.at_end;
-        shown_.loops = state_.loops;
-        shown_.rate = static_cast<double>(state_.rate) / 1000;
         hand_->view.note_middle(field);
-        const ViewCamera camera = hand_->camera();
-        if (script_.empty()) hand_->fingers.intend(field, camera, felt_.contacts);
-        shown_.force_on = hand_->device.force_is_on();
-        shown_.own_view = hand_->view.own();
-        for (int k = 0; k < 16; ++k) shown_.matrix[k] = camera.clip_from_lattice[k / 4][k % 4];
-        shown_.fingers = script_.empty() ? hand_->fingers.shown() : count_;
-        for (int k = 0; k < std::min(static_cast<int>(shown_.fingers), pointer_fingers); ++k)
-            show_finger(static_cast<std::size_t>(k), field, camera);
-        if (const auto at = hand_->fingers.looked_at()) show_values(field, camera, *at);
+        if (script_.empty()) hand_->fingers.intend(field, hand_->camera(), felt_.contacts);
         heard_ = std::exchange(samples_, {});
-        shown_.sound = static_cast<double>(reinterpret_cast<std::uintptr_t>(heard_.data()));
-        shown_.sound_samples = static_cast<double>(heard_.size());
-        shown_.rumble_low = rumble_.low;
-        shown_.rumble_high = rumble_.high;
-        return &shown_;
+    }
+
+    /// What is to be seen and heard.
+    ShownAll look() const {
+        ShownAll shown{{}, {.valid = -1}};
+        shown.playing = state_.playing && !state_.at_end;
+        if (!hand_) return shown;
+        const HeightField field = run_.field();
+        const ViewCamera camera = hand_->camera();
+        shown.tick = static_cast<double>(tick_);
+        shown.time = 1e-9 * static_cast<double>(state_.moment.time_ns);
+        shown.at_end = state_.at_end;
+        shown.loops = state_.loops;
+        shown.speed = static_cast<double>(state_.rate) / 1000;
+        shown.force_on = hand_->device.force_is_on();
+        shown.own_view = hand_->view.own();
+        for (int k = 0; k < 16; ++k) shown.matrix[k] = camera.clip_from_lattice[k / 4][k % 4];
+        const int count = std::min(script_.empty() ? hand_->fingers.shown() : count_, pointer_fingers);
+        for (int k = 0; k < count; ++k)
+            if (const auto finger = shown_finger(static_cast<std::size_t>(k), field, camera)) {
+                shown.finger[static_cast<int>(shown.fingers++)] = *finger;
+                shown.newtons = std::max(shown.newtons, finger->newtons);
+            }
+        if (const auto at = hand_->fingers.looked_at()) shown.pick = shown_values(field, camera, *at);
+        shown.sound = static_cast<double>(reinterpret_cast<std::uintptr_t>(heard_.data()));
+        shown.sound_samples = static_cast<double>(heard_.size());
+        shown.rumble_low = rumble_.low;
+        shown.rumble_high = rumble_.high;
+        return shown;
     }
 
     // ---- What is drawn and heard
@@ -286,8 +345,8 @@ private:
         surface_.follow(moment_, opened_.frames);
         if (script_.empty() && !opened_.is_live && !remembers_) {
             ReadPlace place = surface_.place();
-            place.next_number = std::max(
-                place.next_number, std::min(scene_.rate.frame_at(moment_.time_ns), opened_.frames - 1));
+            place.next_number = std::max(place.next_number,
+                                         std::min(scene_.rate.frame_at(moment_.time_ns), opened_.frames - 1));
             surface_.go_to(place);
         }
         const auto next = surface_.wanted(moment_, opened_.frames);
@@ -309,6 +368,14 @@ private:
     }
 
     Result<bool> run_tick() {
+        if (resumes_) {
+            FramePair pair;
+            surface_.timeline().pair_at(moment_, pair);
+            if (needed() >= 0 && !surface_.has(moment_)) return false;
+            TRY(run_.resume());
+            resumes_ = false;
+            tick_ = run_.tick();
+        }
         const std::int64_t tick = tick_ + 1;
         moment_ = run_.moment_at(tick);
         const bool is_late = needed() >= 0 && !surface_.has(moment_);
@@ -344,42 +411,38 @@ private:
         hand_->device.keep_clear(run_.field(), hand_->workspace, goals);
     }
 
-    void show_finger(std::size_t k, const HeightField& field, const ViewCamera& camera) {
+    /// nullopt: the view does not show it.
+    std::optional<ShownFinger> shown_finger(std::size_t k, const HeightField& field,
+                                            const ViewCamera& camera) const {
         const Contact& contact = felt_.contacts[k];
         const glm::dvec3& force = felt_.forces[k].force;
         const double metres = felt_.metres_per_scene_unit;  // of the hand
         const auto at = camera.project(contact.proxy), goal = camera.project(contact.goal);
-        if (!at || !goal) return;
-        ShownFinger& finger = shown_.finger[k];
-        finger.shown = 1;
-        finger.at = glm::dvec2(*at);
-        finger.goal = glm::dvec2(*goal);
-        finger.tip =
-            glm::dvec2(camera.project(contact.proxy + force * (metres_per_newton / metres)).value_or(*at));
+        if (!at || !goal) return {};
+        const glm::dvec3 tip =
+            camera.project(contact.proxy + force * (metres_per_newton / metres)).value_or(*at);
+        ShownFinger finger{.at = {at->x, at->y}, .goal = {goal->x, goal->y}, .tip = {tip.x, tip.y}};
         finger.newtons = glm::length(force);
         finger.touching = contact.touching;
         finger.share = finger.newtons / hand_->most_newtons;
         finger.depth_mm = 1000 * metres * glm::length(contact.proxy - contact.goal);
-        const auto under = PointerFingers::ground_at(field, camera, finger.at);
+        const auto under = PointerFingers::ground_at(field, camera, glm::dvec2(*at));
         if (!contact.touching && under)
             finger.depth_mm = -1000 * metres * glm::distance(contact.proxy, under->point);
         finger.stiffness = contact.properties.stiffness / 1000;
         finger.friction = contact.properties.static_friction;
         const double depth = depth_of(scene_.depth.semantics, contact.proxy);
         finger.error_degrees = depth <= opened_.error_bars_to ? contact.error_degrees : std::nan("");
-        shown_.newtons = std::max(shown_.newtons, finger.newtons);
+        return finger;
     }
 
-    void show_values(const HeightField& field, const ViewCamera& camera, const glm::dvec2& at) {
+    ShownPick shown_values(const HeightField& field, const ViewCamera& camera, const glm::dvec2& at) const {
         const auto met = PointerFingers::ground_at(field, camera, at);
-        shown_.picked = met ? 1 : 0;
-        if (!met) return;
+        if (!met) return {};
         const PixelValues values = values_at(field, run_.pair(), met->pixel().x, met->pixel().y);
-        shown_.depth_m = values.z * scene_.metres_per_unit;
-        shown_.stiffness = values.properties.stiffness / 1000;
-        shown_.static_friction = values.properties.static_friction;
-        shown_.dynamic_friction = values.properties.dynamic_friction;
-        shown_.height_mm = values.height_mm;
+        const HapticProperties& felt = values.properties;
+        const double depth_m = values.z * scene_.metres_per_unit, stiffness = felt.stiffness / 1000;
+        return {1, depth_m, stiffness, felt.static_friction, felt.dynamic_friction, values.height_mm};
     }
 
     static constexpr std::size_t room_for_commands = 100'000;
@@ -388,17 +451,16 @@ private:
     const Scene& scene_ = opened_.scene;
     const std::vector<glm::dvec3> script_;
     const int count_;
-    const std::shared_ptr<PlaybackLog> log_;
     PlaybackState state_;
     PlaybackControl control_{scene_.rate, opened_.frames, [this] { return state_; },
-                             [this](auto... command) { return log_->ask(command...); }};
+                             [this](auto... command) { return run_.log().ask(command...); }};
     MediaMoment moment_;  // of the next tick
     SurfaceQueue surface_{scene_, opened_.error_bars_to > 0
                                       ? with_error_bars(make_cpu_builder(scene_), scene_)
                                       : make_cpu_builder(scene_)};
-    TouchRun run_{surface_, log_};
+    TouchRun run_;
     const bool remembers_ = FilterPlan(scene_).remembers();
-    bool is_full_ = false;
+    bool is_full_ = false, resumes_ = false;
     std::uint64_t asked_ = 0;  // the epoch when a frame was wanted
     std::int64_t tick_ = -1;
     std::unique_ptr<Hand> hand_;  // once the first frame is there
@@ -408,7 +470,6 @@ private:
     ContactRumble motors_;
     Rumble rumble_;
     std::vector<float> samples_, heard_, drawn_;
-    Shown shown_{};
 };
 
 std::vector<std::uint8_t> inbox;
@@ -416,6 +477,10 @@ StoredImage stored;  // a picture of depth alone that a person opens
 std::string text;    // that the worker reads next
 std::unique_ptr<Clip> clip;
 
+const char* told(std::string words) {
+    text = std::move(words);
+    return text.c_str();
+}
 int worked(const Result<void>& result) {
     if (!result) text = result.error().message;
     return result ? 1 : 0;
@@ -467,19 +532,15 @@ bool has_unit(const SceneDraft& draft) {
     return draft.scene.stored.kind != StoredDepth::Kind::relative;
 }
 
-/// What a person is asked about the stored picture; worker.js has the same list.
-struct PictureGuess {
-    double metres = 0, is_white_near = 0;           // of a grey level; 0: it has no unit
-    double least = 65535, most = 0;                 // of the values that may be lengths
-    double near = assumed_near, far = assumed_far;  // metres, without a unit
-} picture_guess;
+PictureGuess picture_guess;  // of the stored picture
 
 Result<void> read_picture(int width, int height, int bits) {
     stored = {{width, height, bits / 8, 1, std::move(inbox)}};
     stored.bits = bits;
     TRY_ASSIGN(const SceneDraft draft, meaning(std::nullopt));
-    picture_guess = {has_unit(draft) ? draft.scene.depth.scale : 0,
-                     draft.scene.depth.near_is_high ? 1.0 : 0.0};
+    const double metres = has_unit(draft) ? draft.scene.depth.scale : 0,
+                 white = draft.scene.depth.near_is_high;
+    picture_guess = {metres, white, 65535, 0, assumed_near, assumed_far};
     for (std::size_t k = 0; k < pixel_count(stored.image); ++k) {
         const double value = sample_at(stored.image, k);
         if (value == 0 || value == 65535) continue;
@@ -532,11 +593,8 @@ struct PageExports {
         return inbox.data();
     }
     EXPORTED(fault) static const char* fault() { return text.c_str(); }
-    /// The names of a scene's numbers, a line each.
-    EXPORTED(scene_names) static const char* scene_names() {
-        text = listed(numbers_of(Scene()), &SceneNumber::name, "\n");
-        return text.c_str();
-    }
+    /// As JSON: numbers, members of structs in their order, a scene's numbers (a line each), limits, colours.
+    EXPORTED(table) static const char* table() { return told(page_table()); }
     /// In `room`: the scene's numbers, and the frames' own times, ns, as doubles.
     EXPORTED(open_scene)
     static int open_scene(std::size_t numbers, std::size_t times, double frames, bool is_live,
@@ -582,30 +640,42 @@ struct PageExports {
         if (!done) text = done.error().message;
         return done ? *done : -1;
     }
+    /// A moment in virtual time, for `load` of a clip that has had a tick: where its bytes are, and how many.
+    EXPORTED(save) static const void* save() {
+        auto moment = clip->save();
+        if (!worked(moment ? Result<void>() : moment.error())) return nullptr;
+        inbox = std::move(*moment);
+        return inbox.data();
+    }
+    EXPORTED(saved_bytes) static std::size_t saved_bytes() { return inbox.size(); }
+    /// In `room`: a moment. The frames around it are wanted next; `run` refuses others.
+    EXPORTED(load) static int load(std::size_t size) { return worked(clip->load(taken<std::uint8_t>(size))); }
     EXPORTED(size) static void size(int width, int height) {
         canvas_width = width;
         canvas_height = height;
     }
-    /// `button`: 0 none, 1 left, 2 right, 3 middle; `pen`: its pressure, 0 to 1.
+    /// `button`: its bit in a browser's MouseEvent.buttons, or 0; `pen`: its pressure, 0 to 1.
     EXPORTED(event)
     static void event(InputEvent::Kind kind, int button, double x, double y, bool control, bool shift,
                       int touch, double seconds, double pen, bool turns) {
-        constexpr const char* buttons[] = {"", "left", "right", "middle"};
-        InputEvent given{kind, x, y, buttons[button & 3], control, shift};
+        constexpr const char* buttons[] = {"", "left", "right", "", "middle"};
+        InputEvent given{kind, x, y, buttons[button % 5], control, shift};
         given.touch = touch;
         given.seconds = seconds;
         clip->event(given, pen, turns);
     }
     EXPORTED(play) static int play(ClockCommand verb, double a) { return worked(clip->command(verb, a)); }
     EXPORTED(hand) static void hand(HandCommand verb, double a, double b) { clip->command(verb, a, b); }
-    EXPORTED(look) static const void* look() { return clip->look(); }
+    EXPORTED(aim) static void aim() { clip->aim(); }
+    /// Shown, ShownPick, and ShownFinger for each of its fingers; valid until the next look.
+    EXPORTED(look) static const void* look() {
+        static ShownAll shown;
+        return &(shown = clip->look());
+    }
     EXPORTED(shown_number) static double shown_number() { return static_cast<double>(clip->shown_number()); }
     EXPORTED(drawn) static const void* drawn(Role role) { return clip->drawn(role); }
     /// The forces' hash so far: 16 digits.
-    EXPORTED(hash) static const char* hash() {
-        text = clip->hash();
-        return text.c_str();
-    }
+    EXPORTED(hash) static const char* hash() { return told(clip->hash()); }
 };
 
 }  // namespace touchable

@@ -8,29 +8,28 @@
 // largest, mean and hash of line, circle, eight.
 const {scratches, sweeps} = await (await fetch(new URL('lab_native.json', import.meta.url))).json();
 
-const worker = new Worker(new URL('worker.js', import.meta.url), {type: 'module'});
-worker.postMessage({do: 'lab'});
+const worker = new Worker(new URL('lab_worker.js', import.meta.url), {type: 'module'});
 
-/** Calls a function of lab.cpp, one at a time; answers its figures: texts by name. */
+// Calls a function of lab.cpp, one at a time; answers its figures: texts by name.
 const ask = (name, ...numbers) => new Promise((resolve, reject) => {
-  worker.onmessage = ({data}) => (data.is === 'fault' ? reject(new Error(data.text)) : resolve(data.figures));
+  worker.onmessage = ({data}) => (data.fault ? reject(new Error(data.fault)) : resolve(data.figures));
   worker.onerror = () => reject(new Error('The engine could not be started in this browser.'));
-  worker.postMessage({do: 'lab', name, numbers: numbers.map(Number)});
+  worker.postMessage({name, numbers: numbers.map(Number)});
 });
 
-const white = '#eef0f4', chest_frames = 293; // as in paper_suite.cpp
+const white = '#eef0f4', chest_frames = 293;  // as in paper_suite.cpp
 const filters = [
   {words: 'no filter', of: [0, 0, 0], colour: '#8a93a3'},
   {words: 'median 3x3', of: [3, 0, 0], colour: '#e8a86d'},
   {words: 'median 5x5', of: [5, 0, 0], colour: '#e86d8a'},
   {words: '5x5, terraces removed', of: [5, 1, 0], colour: '#6db9e8'},
-  {words: 'and averaged over frames', of: [5, 1, 1], colour: '#8fe0a0', averages: true},
+  {words: 'and averaged over frames', of: [5, 1, 1], colour: '#8fe0a0', averages: true}
 ];
-/** The last two cells of a row: the force hash, and what the program's own says of it. */
+// The last two cells of a row: the force hash, and what the program's own says of it.
 const verdict = (hash, native) =>
   [hash, !native ? 'no case of the program' : hash === native ? 'equal' : `not equal: ${native}`];
 
-/** Each adds rows, the heading first, and answers the panels to draw, and rows for the CSV file alone. */
+// Each adds rows, the heading first, and answers the panels to draw, and rows for the CSV file alone.
 const experiments = {
   async 'table-1'({seconds, speed}, add) {
     add('content', 'method', 'hand', 'largest', 'mean', 'the program: largest', 'mean', 'force hash', '');
@@ -109,11 +108,11 @@ const experiments = {
     return [[{title: 'Error of the normals, RMS', lines,
       x: {name: 'noise, levels', from: 0, to: 3, ticks: [0, 1, 2, 3]},
       y: {name: 'degrees', from: 0.1, to: 100, log: true, ticks: [0.1, 1, 10, 100]}}], kept];
-  },
+  }
 };
 
-/** Draws panels side by side: {title, x, y, lines}. An axis is {name, from, to, log, ticks, words}, a line {points,
- *  colour, words, width, dashes}. What colours mean is written below, by the first panel's lines. */
+// Draws panels side by side: {title, x, y, lines}. An axis is {name, from, to, log, ticks, words}, a line {points,
+// colour, words, width, dashes}. What colours mean is written below, by the first panel's lines.
 function plot(canvas, panels) {
   canvas.hidden = false;
   const scale = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
@@ -154,7 +153,7 @@ function plot(canvas, panels) {
   }
 }
 
-/** Adds a row to a table, whose first is its heading; numbers have four digits, as the program prints them. */
+// Adds a row to a table, whose first is its heading; numbers have four digits, as the program prints them.
 function show(table, cells) {
   const row = table.insertRow(), kind = table.rows.length > 1 ? 'td' : 'th';
   for (const value of cells) {

@@ -3,86 +3,48 @@
 // elapsed at each event and each picture, and sends what is to be drawn, heard and read. One thread: no memory is
 // shared, so any web server will do.
 
-import {PackedClip, answer_of, inflating, live_framesets, refuse, roles} from './clip.js';
+import {PackedClip, live_framesets, refuse} from './clip.js';
+import {has_trapped, load_engine, text_of} from './engine.js';
 import {unpack_png} from './png.js';
 
-const event_kinds = ['moved', 'pressed', 'released', 'wheel', 'key', 'key_released', 'resized', 'dropped',
-  'left_window', 'touch_began', 'touch_moved', 'touch_ended'];
-// Members of Shown in engine.cpp, in this order, and of ShownFinger those behind its places.
-const members = ['tick', 'time', 'playing', 'at_end', 'loops', 'speed', 'force_on', 'own_view', 'newtons', 'rumble_low',
-  'rumble_high', 'fingers'];
-const pick_members = ['valid', 'depth_m', 'stiffness', 'friction_static', 'friction_dynamic', 'height_mm'];
-const finger_members = ['newtons', 'touching', 'share', 'depth_mm', 'stiffness', 'friction', 'error_degrees'];
-let read_size, engine, clip, session, pressed = false, stands_still = false, build_ms = 0, decode_ms = 0, seen_matrix;
+let read_size, engine, table, clip, session, pressed = false, stands_still = false, seen_matrix;
 
-/** What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace. */
+// What is forgotten when a clip begins anew. Work under way for an earlier session ends without a trace.
 const new_session = () => ({
   feeding: false, failed: '', shown: -1, ran_until: null, live_stop: new AbortController(),
-  taken: {}, sent: {}, // by role the frame whose picture the engine has, and the page (of colour the picture)
-  colours: new Map(), // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
+  taken: {}, sent: {},  // by role the frame whose picture the engine has, and the page (of colour the picture)
+  colours: new Map()  // by frame, of those that may still be shown: JPEG, and what it is decoded to, ahead
 });
 
-// ---- The engine
-
-/** The few calls that its C++ library makes: the time, and writing to nowhere. */
-function wasi(memory) {
-  const view = () => new DataView(memory().buffer);
-  return {
-    clock_time_get(id, precision, at) {
-      view().setBigUint64(at, BigInt(Math.round(performance.now() * 1e6)), true);
-      return 0;
-    },
-    environ_get: () => 0,
-    environ_sizes_get: (count, size) => (view().setUint32(count, 0, true), view().setUint32(size, 0, true), 0),
-    fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8,
-    proc_exit() { throw new WebAssembly.RuntimeError('exit'); },
-  };
-}
-
-/** The engine's functions and memory. `bytes`: of engine.bin, WebAssembly under deflate, a third of its size; it is
- *  fetched unless the page has it. */
-async function load_engine(bytes) {
-  let instance;
-  const imports = {wasi_snapshot_preview1: wasi(() => instance.exports.memory)};
-  bytes ??= await answer_of(new URL('engine.bin', import.meta.url), 'engine.bin', (answer) => answer.arrayBuffer());
-  const code = await new Response(inflating([bytes])).arrayBuffer().catch(() => new ArrayBuffer(0));
-  if (!WebAssembly.validate(code))
-    refuse('engine.bin is damaged, or this browser is too old for it: it takes WebAssembly with SIMD.');
-  try {
-    ({instance} = await WebAssembly.instantiate(code, imports));
-  } catch (error) {
-    if (!(error instanceof WebAssembly.CompileError)) throw error;
-    refuse("The server's Content-Security-Policy forbids WebAssembly: its script-src needs 'wasm-unsafe-eval'.");
-  }
-  instance.exports._initialize();
-  return instance.exports;
-}
-
 const memory = (type, at, count) => new type(engine.memory.buffer, at, count);
-function put(array) {
-  memory(array.constructor, engine.room(array.byteLength), array.length).set(array);
-}
-/** The engine's text at an address, where a 0 ends it. */
-function text_at(at) {
-  const bytes = memory(Uint8Array, at);
-  return new TextDecoder().decode(bytes.slice(0, bytes.indexOf(0)));
-}
+const put = (array) => memory(array.constructor, engine.room(array.byteLength), array.length).set(array);
+const text_at = (at) => text_of(engine, at);
 const check = (worked) => worked || refuse(text_at(engine.fault()));
-/** `verb`: of ClockCommand in engine.cpp. */
-const play = (verb, number = 0) => check(engine.play(verb, number));
+const play = (verb, number = 0) => check(engine.play(table.ClockCommand[verb], number));
+
+// `table`: what the engine has by name (page_table in engine.cpp).
+async function load(bytes) {
+  engine = await load_engine('engine.bin', bytes);
+  table = JSON.parse(text_at(engine.table()));
+}
+// Reads structs of doubles, one behind the other: numbers, and arrays by a member's [length].
+function reader(at) {
+  const values = memory(Float64Array, at).values(), next = () => values.next().value;
+  return (struct) => Object.fromEntries(Array.from(table[struct].matchAll(/(\w+)(?:\[(\d+)\])?/g),
+    ([, member, length]) => [member, length ? Array.from({length}, next) : next()]));
+}
 
 // ---- Opening
 
-/** `gone`: {error, text} if the open clip has lost a file; `text` is its clip.json. If the server still has the same
- *  clip.json, the error is thrown and is fatal. */
+// `gone`: {error, text} if the open clip has lost a file; `text` is its clip.json. If the server still has the same
+// clip.json, the error is thrown and is fatal.
 async function open({url, files, json, wasm, calm, gone}) {
   stands_still = calm;
   if (gone) clip = undefined;
-  let packed;
-  [engine, packed] = await Promise.all([engine ?? load_engine(wasm), PackedClip.open(files ? json : url, files)]);
+  const [packed] = await Promise.all([PackedClip.open(files ? json : url, files), engine ?? load(wasm)]);
   if (packed.text === gone?.text) throw gone.error;
   const {times, frames, live, json: {name, remarks, numbers}} = packed;
-  if (text_at(engine.scene_names()) !== Object.keys(numbers).join('\n'))
+  if (table.scene !== Object.keys(numbers).join('\n'))
     throw Object.assign(new Error('The clip is of another version than this page. ' +
       "touchable convert --web of the page's version writes one."), {is_final: true});
   put(Float64Array.from([...packed.numbers, ...times]));
@@ -92,19 +54,18 @@ async function open({url, files, json, wasm, calm, gone}) {
   met(packed, {
     name: String(name ?? ''), remarks: (remarks ?? []).map(String), frames, live: live !== null,
     seconds: times.length ? times.at(-1) / 1e9 + 1 / rate : frames / rate,
-    unit: numbers.metres_per_unit, far: numbers['depth.far'],
+    unit: numbers.metres_per_unit, far: numbers['depth.far']
   });
 }
 
-/** Reads a picture that a person will open, and tells what its levels seem to mean. */
+// Reads a picture that a person will open, and tells what its levels seem to mean.
 async function read({bytes, name}) {
-  engine ??= await load_engine();
+  if (!engine) await load();
   const {width, height, bits, codes} = await unpack_png(bytes);
   put(codes);
   if (!engine.read_picture(width, height, bits)) refuse(`${name} ${text_at(engine.fault())}.`);
-  const [metres, white_near, least, most, near, far] = memory(Float64Array, engine.picture_guess(), 6);
   read_size = {width, height};
-  postMessage({is: 'asked', name, guess: {metres, white_near, least, most, near, far}});
+  postMessage({is: 'asked', name, guess: reader(engine.picture_guess())('PictureGuess')});
 }
 
 function open_picture({name, metres, white_near, fov}) {
@@ -115,23 +76,23 @@ function open_picture({name, metres, white_near, fov}) {
 function met(packed, about) {
   clip = packed;
   start();
-  postMessage({is: 'clip', width: clip.width, height: clip.height, planes: Object.keys(clip.planes), ...about});
+  postMessage({is: 'clip', width: clip.width, height: clip.height, planes: Object.keys(clip.planes), table, ...about});
 }
 
-/** A clip begins: it plays and loops, unless the person asked for less motion; a live one is followed. */
+// A clip begins: it plays and loops, unless the person asked for less motion; a live one is followed.
 function start() {
   session?.live_stop.abort();
   session = new_session();
   if (clip.live) follow();
   if (!(clip.frames > 1)) return;
-  if (stands_still) play(0);
-  play(5, 1);
+  if (stands_still) play('play_pause');
+  play('loop');
 }
 
 // ---- Frames
 
 async function give_frame(frame) {
-  const of = session, start = performance.now();
+  const of = session;
   for (const role of Object.keys(clip.planes)) {
     const own = clip.own(role, frame);
     if (role === 'colour' ? of.colours.has(own) : of.taken[role] === own) continue;
@@ -139,10 +100,7 @@ async function give_frame(frame) {
     if (of !== session) return;
     give_packet(role, own, packet);
   }
-  const decoded = performance.now();
   check(engine.give(frame));
-  decode_ms = decoded - start;
-  build_ms = performance.now() - decoded;
   note_well();
 }
 
@@ -156,15 +114,15 @@ function give_packet(role, own, packet) {
   }
   const {bytes_per_sample, channels} = clip.planes[role];
   put(packet);
-  check(engine.plane(roles.indexOf(role), bytes_per_sample, channels, packet.length));
+  check(engine.plane(table.Role[`${role}_role`], bytes_per_sample, channels, packet.length));
   session.taken[role] = own;
 }
 
-/** Gives the engine the frames that it wants, one after the other; one such work at a time. */
+// Gives the engine the frames that it wants, one after the other; one such work at a time.
 async function feed() {
   const of = session;
   if (of.feeding || clip.live) return;
-  of.feeding = true; // and stays so after a fault, until a person asks to go on: the next frame would have it, too
+  of.feeding = true;  // and stays so after a fault, until a person asks to go on: the next frame would have it, too
   try {
     for (let frame; of === session && (frame = engine.wanted()) >= 0;) await give_frame(frame);
     of.feeding = false;
@@ -179,15 +137,14 @@ async function feed() {
   }
 }
 
-/** Shows a live clip, and connects again when it breaks off; to another clip if its server has one by then. */
+// Shows a live clip, and connects again when it breaks off; to another clip if its server has one by then.
 async function follow() {
   const of = session, {text, base, live} = clip;
   for (let is_first = true; of === session; is_first = false) {
     try {
       if (is_first || (await PackedClip.open(base)).text === text)
         await show_framesets(live_framesets(new URL(live, base), clip.planes, of.live_stop.signal), of);
-      else
-        await in_turn(() => of === session && open({url: base, calm: stands_still}));
+      else await in_turn(() => of === session && open({url: base, calm: stands_still}));
     } catch (error) {
       if (!error.is_final) error.message += ' The page connects again by itself.';
       if (of === session && of.failed !== error.message) faulty(error);
@@ -211,7 +168,7 @@ async function show_framesets(framesets, of) {
   }
 }
 
-/** Frames come again: the page takes its notice away. */
+// Frames come again: the page takes its notice away.
 function note_well() {
   if (session.failed) postMessage({is: 'well'});
   session.failed = '';
@@ -219,7 +176,7 @@ function note_well() {
 
 // ---- Ticks, and what the page sees
 
-/** Runs the ticks that have elapsed. */
+// Runs the ticks that have elapsed.
 function run_elapsed() {
   const now = performance.now(), ticks = Math.floor(now - (session.ran_until ??= now));
   if (ticks < 1) return;
@@ -229,33 +186,23 @@ function run_elapsed() {
 }
 
 function look() {
-  const values = memory(Float64Array, engine.look());
-  let at = 0;
-  const next = (count) => [...values.subarray(at, at += count)];
-  const named = (names) => Object.fromEntries(next(names.length).map((value, k) => [names[k], value]));
-  const state = {is: 'state', build_ms, decode_ms, frame: engine.shown_number(), ...named(members)};
-  const pick = named(pick_members), [sound, samples] = next(2), matrix = next(16);
-  const fingers = Array.from({length: Math.min(state.fingers, 5)}, () => {
-    const [[shown], at, goal, tip] = [1, 2, 2, 2].map(next);
-    return {shown, at, goal, tip, ...named(finger_members)};
-  });
-  state.fingers = fingers.filter(({shown}) => shown);
-  state.pick = pick.valid < 0 ? null : pick;
+  const frame = engine.shown_number(), next = reader(engine.look());
+  const {sound, sound_samples, matrix, fingers, ...state} = next('Shown'), pick = next('ShownPick');
   // Until the first frame after a beginning is there, the picture of before stays.
-  if (state.frame >= 0 || !seen_matrix) seen_matrix = Float32Array.from(matrix);
-  state.matrix = seen_matrix;
-  state.sound = samples ? memory(Float32Array, sound, samples).slice() : null;
-  return state;
+  if (frame >= 0 || !seen_matrix) seen_matrix = Float32Array.from(matrix);
+  return {is: 'state', ...state, frame, pick: pick.valid < 0 ? null : pick, matrix: seen_matrix,
+    fingers: Array.from({length: fingers}, () => next('ShownFinger')),
+    sound: sound_samples ? memory(Float32Array, sound, sound_samples).slice() : null};
 }
 
 const bitmap_of = (jpeg) => createImageBitmap(jpeg).catch(() => null);
 
-/** The planes of the frame that is to be drawn, if it is another than before; of these those that have changed. */
+// The planes of the frame that is to be drawn, if it is another than before; of these those that have changed.
 async function new_planes() {
   const {sent, colours} = session, number = engine.shown_number(), count = clip.width * clip.height;
   if (number < 0 || number === session.shown) return null;
   session.shown = number;
-  const [depths, haptic, heights] = [0, 1, 2].map((role) => engine.drawn(role));
+  const [depths, haptic, heights] = Object.values(table.Role).map((role) => engine.drawn(role));
   const planes = {depths: memory(Float32Array, depths, count).slice()};
   if (haptic && sent.haptic !== clip.own('haptic', number)) {
     sent.haptic = clip.own('haptic', number);
@@ -266,7 +213,7 @@ async function new_planes() {
   if (picture && sent.colour !== picture) {
     sent.colour = picture;
     const bitmap = await (picture.bitmap ?? bitmap_of(picture.jpeg));
-    picture.bitmap = null; // it goes to the page
+    picture.bitmap = null;  // it goes to the page
     if (bitmap) planes.colour = bitmap;
   }
   return planes;
@@ -274,34 +221,8 @@ async function new_planes() {
 
 function tell(planes) {
   const transfers = Object.values(planes ?? {}).map((plane) => plane.buffer ?? plane);
+  engine.aim();
   postMessage({...look(), planes}, transfers);
-}
-
-/** Runs a script in virtual time, from the clip's beginning, and draws the frames that it meets. */
-async function verify({goals, fingers, ticks, commands: asked}) {
-  session = new_session();
-  put(Float64Array.from([...goals, ...asked.flat()]));
-  engine.begin(fingers, goals.length / 3, asked.length);
-  const frames = [], us = new Float64Array(ticks); // what each tick took
-  for (let tick = 0; tick < ticks;) {
-    const start = performance.now(), ran = engine.run(1);
-    check(ran >= 0);
-    us[tick] = 1000 * (performance.now() - start);
-    tick += ran;
-    if (ran === 0) {
-      const frame = engine.wanted();
-      if (frame < 0) refuse('The clip has no frame for a tick.');
-      await give_frame(frame);
-      continue;
-    }
-    const planes = await new_planes();
-    if (!planes) continue;
-    frames.push(session.shown);
-    tell(planes);
-  }
-  const hash = text_at(engine.hash());
-  reset();
-  postMessage({is: 'verified', hash, ticks, frames, us});
 }
 
 function reset() {
@@ -309,55 +230,46 @@ function reset() {
   start();
 }
 
-/** `again`: whether the page may ask to go on. */
+// `again`: whether the page may ask to go on.
 function faulty(error, again = false) {
-  // After a trap, or without memory, nothing that the engine has can be relied on.
-  const trapped = error instanceof WebAssembly.RuntimeError || error instanceof RangeError;
+  const trapped = has_trapped(error);
   if (trapped || error.is_final) engine = clip = session = undefined;
   const text = trapped ? 'The engine stopped: memory may not suffice for this clip.' : error.message;
   postMessage({is: 'fault', text, fatal: !clip, again});
 }
 
 const work = {
-  open, read, picture: open_picture, verify, reset,
+  open, read, picture: open_picture, reset,
   event({kind, button, x, y, control, shift, touch, seconds, press, turning}) {
     run_elapsed();
-    engine.event(event_kinds.indexOf(kind), button, x, y, control, shift, touch, seconds, press, turning);
+    engine.event(table.EventKind[kind], button, x, y, control, shift, touch, seconds, press, turning);
   },
   play({verb, number}) {
     play(verb, number);
     if (session.failed) work.go_on(); // the page's notice may have been closed
   },
-  hand: ({verb, a, b}) => engine.hand(verb, a, b),
-  /** After a fault: frames are fetched again from the next tick on, as what was fetched may have been damaged. */
+  hand: ({verb, a, b}) => engine.hand(table.HandCommand[verb], a, b),
+  // After a fault: frames are fetched again from the next tick on, as what was fetched may have been damaged.
   go_on() {
     for (const plane of Object.values(clip.planes)) plane.kept = [];
     session.feeding = false;
   },
-  /** Of the lab hour (lab.html): calls a function of lab.cpp, and answers by its figures, texts by name. */
-  async lab({name, numbers}) {
-    engine ??= await load_engine();
-    if (!name) return; // it shall only be loaded
-    const worked = engine[name](...numbers), text = text_at(engine.lab_text());
-    if (!worked) refuse(text);
-    postMessage({is: 'figures', figures: Object.fromEntries(text.split('\n').map((line) => line.split('\t')))});
-  },
   async due({width, height, pressed: presses}) {
     engine.size(width, height);
-    if (presses !== pressed) engine.hand(7, presses, 0); // HandCommand::press
+    if (presses !== pressed) engine.hand(table.HandCommand.press, presses, 0);
     pressed = presses;
     run_elapsed();
     tell(await new_planes());
-  },
+  }
 };
 
 let queue = Promise.resolve();
-/** One thing after the other: what opens or verifies a clip is not disturbed. The caller handles a job's fault. */
+// One thing after the other: what opens or verifies a clip is not disturbed. The caller handles a job's fault.
 function in_turn(job) {
   const done = queue.then(job);
   queue = done.catch(() => {});
   return done;
 }
 onmessage = ({data}) => in_turn(async () => {
-  if (clip || ['open', 'read', 'picture', 'lab'].includes(data.do)) await work[data.do]?.(data);
+  if (clip || ['open', 'read', 'picture'].includes(data.do)) await work[data.do]?.(data);
 }).catch(faulty);

@@ -9,7 +9,7 @@
 #include "bench/surface/race.hpp"
 #include "engine/base/try.hpp"
 #include "player/draw/gpu_painting.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 
 namespace touchable {
 namespace {

@@ -240,6 +240,9 @@ struct TouchRun::Saved {
         bytes.expect(magic == state_magic && version == state_version && rules == force_rules);
         bytes(tick, time_ns, moment.epoch, moment.time_ns, moment.start_ns, pair.prev, pair.next, pair.blend,
               pair.epoch, pair.content);
+        constexpr std::int64_t farthest = std::int64_t{1} << 60;
+        for (const std::int64_t number : {tick, time_ns, moment.time_ns, moment.start_ns})
+            bytes.expect(number >= -farthest && number <= farthest);
         std::uint64_t count = commands.size();
         bytes(count);
         bytes.expect(!bytes.reads() || count <= bytes.left() / 32);

@@ -13,10 +13,10 @@
 #include "engine/base/vectors.hpp"
 #include "engine/scene/frames.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/light_picture.hpp"
 #include "player/draw/pictures.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/view.hpp"
 #include "shaders/cut_rule.h"
 
 namespace touchable {

@@ -9,7 +9,7 @@
 
 #include "engine/base/vectors.hpp"
 #include "player/draw/cpu_painting.hpp"
-#include "player/draw/drawn_surface.hpp"
+#include "player/view/drawn_surface.hpp"
 #include "shaders/gap_fill.h"
 #include "shaders/raster.h"
 #include "shaders/view_project.h"

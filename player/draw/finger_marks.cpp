@@ -6,8 +6,8 @@
 #include <glm/matrix.hpp>
 
 #include "engine/base/same_bits.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/light_picture.hpp"
+#include "player/view/drawn_surface.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/dents.h"
 #include "shaders/solid_light.h"
@@ -17,14 +17,6 @@
 
 namespace touchable {
 namespace {
-
-// Okabe and Ito's colours, in the order of the plots (player/plot/style.py): distinct with any colour vision.
-// Three of Tol's follow, for ten different fingers.
-constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178),   pack_colour(230, 159, 0),
-                                                      pack_colour(0, 158, 115),   pack_colour(213, 94, 0),
-                                                      pack_colour(204, 121, 167), pack_colour(86, 180, 233),
-                                                      pack_colour(240, 228, 66),  pack_colour(51, 34, 136),
-                                                      pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
 
 /// A point of the felt surface; nullopt in a hole or beside the picture.
 std::optional<glm::dvec3> felt_point(const HeightField& field, double x, double y) {
@@ -217,10 +209,6 @@ std::optional<FingerMark::Under> under_finger(const HeightField& field, const gl
     under.height = std::max(glm::dot(proxy - *middle, under.normal), 0.0);
     under.foot = proxy - under.normal * glm::dot(proxy - *middle, under.normal);
     return under;
-}
-
-PackedColour finger_colour(std::size_t finger) {
-    return finger_colours[finger % finger_colours.size()];
 }
 
 MarkSizes mark_sizes(const Scene& scene, const glm::dvec3& middle) {

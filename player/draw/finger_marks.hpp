@@ -24,7 +24,7 @@
 #include <vector>
 
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 
 namespace touchable {
 
@@ -52,9 +52,6 @@ struct FingerMark {
 /// from turning the normal. nullopt if the clip's camera sees no surface behind the finger.
 std::optional<FingerMark::Under> under_finger(const HeightField& field, const glm::dvec3& proxy,
                                               double reach);
-
-/// The colour of a finger, by its number.
-PackedColour finger_colour(std::size_t finger);
 
 /// How large fingers are drawn.
 struct MarkSizes {

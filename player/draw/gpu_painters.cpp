@@ -9,9 +9,9 @@
 
 #include "engine/base/try.hpp"
 #include "engine/scene/frames.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/pictures.hpp"
+#include "player/view/drawn_surface.hpp"
 #include "shaders/gap_fill.h"
 #include "shaders/raster.h"
 #include "shaders/raster.spv.h"

@@ -18,12 +18,12 @@
 
 #include "engine/gpu/gpu_commands.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/gpu_image.hpp"
 #include "player/draw/graphics_program.hpp"
 #include "player/draw/light_picture.hpp"
 #include "player/draw/pictures.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/view.hpp"
 #include "shaders/unproject.h"
 
 namespace touchable {

@@ -280,23 +280,6 @@ constexpr std::array<std::string_view, 11> names_of_overlays{
     "height", "normals", "errors",       "tiles",     "validity"};
 static_assert(static_cast<std::size_t>(Overlay::validity) + 1 == names_of_overlays.size());
 
-/// Linear light of sRGB's primaries (OKLab: Ottosson 2020).
-glm::dvec3 linear_rgb(double lightness, double a, double b) {
-    const auto cube = [](double x) { return x * x * x; };
-    const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b),
-                 m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b),
-                 s = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
-    return {4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
-            -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
-            -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
-}
-
-std::uint32_t byte_of_light(double light_share) {
-    const double x = std::clamp(light_share, 0.0, 1.0);
-    const double srgb = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-    return static_cast<std::uint32_t>(255 * srgb + 0.5);
-}
-
 }  // namespace
 
 std::string name_of(Overlay overlay) {
@@ -341,28 +324,6 @@ std::string Overlays::Scale::everywhere() const {
     };
     return words(range.least) + " everywhere" + (has_map ? "" : ": this clip has no map") +
            (at_holes ? "; " + words(*at_holes) + " at holes" : "");
-}
-
-const std::array<PackedColour, 256>& colour_ramp() {
-    static const std::array<PackedColour, 256> ramp = [] {
-        // In OKLab: lightness of the ends, and a quadratic curve through colour, whose middle control point
-        // is green. Every colour is within sRGB.
-        constexpr double dark = 0.28, light = 0.95;
-        constexpr glm::dvec2 blue(0.03, -0.13), green(-0.13, 0), yellow(-0.035, 0.12);
-        std::array<PackedColour, 256> made;
-        for (std::size_t k = 0; k < made.size(); ++k) {
-            const double share = static_cast<double>(k) / 255, rest = 1 - share;
-            const glm::dvec2 ab = rest * rest * blue + 2 * share * rest * green + share * share * yellow;
-            const glm::dvec3 rgb = linear_rgb(glm::mix(dark, light, share), ab.x, ab.y);
-            made[k] = pack_colour(byte_of_light(rgb.r), byte_of_light(rgb.g), byte_of_light(rgb.b));
-        }
-        return made;
-    }();
-    return ramp;
-}
-
-PackedColour ramp_colour(double share) {
-    return colour_ramp()[static_cast<std::size_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5)];
 }
 
 double scale_newtons(double pixels_per_newton, double pixels) {

@@ -17,10 +17,10 @@
 
 #include "engine/base/result.hpp"
 #include "engine/picture/image.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/overlays.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/view.hpp"
 #include "shaders/dents.h"
 
 namespace touchable {

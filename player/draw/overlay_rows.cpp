@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "player/draw/drawn_surface.hpp"
+#include "player/view/drawn_surface.hpp"
 #include "shaders/blend_rule.h"
 #include "shaders/cut_rule.h"
 

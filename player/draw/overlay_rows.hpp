@@ -14,7 +14,7 @@
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/overlays.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 
 namespace touchable {
 

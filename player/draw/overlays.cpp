@@ -3,9 +3,9 @@
 
 #include "engine/base/same_bits.hpp"
 #include "player/draw/cpu_painting.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/overlay_rows.hpp"
 #include "player/draw/pictures.hpp"
+#include "player/view/drawn_surface.hpp"
 
 // Compiled without errno and floating-point traps, like overlay_rows.cpp.
 

@@ -28,7 +28,7 @@
 #include "engine/picture/image.hpp"
 #include "engine/scene/frames.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/drawn_surface.hpp"
 
 namespace touchable {
 
@@ -55,22 +55,10 @@ std::vector<std::string> overlay_names();
 /// tiles. Fails (ErrorKind::usage) with the list of names.
 Result<Overlay> overlay_after(Overlay now, const std::string& name);
 
-/// How a vertex's colour is lit, to show relief. Clay is always in full light.
-enum class Lighting {
-    off,     ///< unchanged: photographs have the light of their place
-    soft,    ///< half of the full light's effect
-    full,    ///< a gentle light
-    values,  ///< unchanged, for maps, whose colours carry values: nothing may darken them
-};
 inline constexpr std::array<const char*, 3> light_names{"off", "soft", "full"};
 
 /// The lighting of that name, off, soft or full; the next one for an empty name.
 Result<Lighting> light_after(Lighting now, std::string_view name);
-
-/// How much of the full light's effect a colour gets, 0 to 1.
-constexpr float light_strength(Lighting lighting) {
-    return lighting == Lighting::full ? 1.0F : lighting == Lighting::soft ? 0.5F : 0.0F;
-}
 
 /// Paints overlays, frame after frame; remembers scales to avoid flicker.
 class Overlays {
@@ -135,13 +123,6 @@ private:
 
 /// The light in which a single picture of an overlay stays readable: none if the overlay shows relief itself.
 Lighting light_of(Overlay kind);
-
-/// Colours from dark blue through green to light yellow, lightness growing evenly as perceived (OKLab), none
-/// of them grey: legible without telling red from green, by lightness and by blue and yellow.
-const std::array<PackedColour, 256>& colour_ramp();
-
-/// The ramp's colour at 0 to 1; beyond, the end's.
-PackedColour ramp_colour(double share);
 
 /// Draws the colours' meaning into the lower right of `image` (RGB, 8 bits; upper right of a narrow one).
 /// Draws nothing below 480x270 pixels, where it would hide the scene.

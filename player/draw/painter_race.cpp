@@ -9,7 +9,7 @@
 #include "engine/base/try.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
 #include "player/draw/gpu_painting.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 
 // Measures which painter is faster on a device: a graphics card's hardware draws triangles fast, a data
 // centre's GPU has little of it and draws ten times as fast by compute.

@@ -7,9 +7,9 @@
 #include "engine/base/try.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/draw/cpu_painting.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
+#include "player/view/drawn_surface.hpp"
 
 // Composes single pictures in linear light (make_picture); makes painters by name.
 

@@ -33,7 +33,8 @@
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/overlays.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/view.hpp"
 
 namespace touchable {
 
@@ -41,26 +42,6 @@ class GpuCommands;
 class GpuDevice;
 struct GpuFacts;
 class GpuImage;
-struct PicturePlanes;
-
-/// What a painter draws: the lattice at one moment, with a colour at every vertex.
-struct ViewSurface {
-    /// Tiles of TileGrid with something to draw, as row * tiles_x + column, ascending.
-    struct Tiles {
-        std::vector<std::uint32_t> whole;  ///< no triangle is cut (shaders/cut_rule.h)
-        /// Some triangles are cut; at least one has no hole, so the clip's own view shows it.
-        std::vector<std::uint32_t> mixed;
-        bool operator==(const Tiles&) const = default;
-    };
-
-    int width = 0, height = 0;
-    float focal_length = 0;             ///< of the clip's camera, pixels
-    bool fills_gaps = false;            ///< with these colours, and holes (shaders/gap_fill.h)
-    std::vector<float> q;               ///< 1 / planar depth, height subtracted; 0: invalid. Row-major
-    std::vector<PackedColour> colours;  ///< row-major
-
-    std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
-};
 
 /// The surface of `field`, which was made from `pair`, by the CPU.
 ViewSurface surface_of(const HeightField& field, const FramePair& pair, const PlaneView& colour,

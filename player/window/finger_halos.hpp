@@ -8,7 +8,7 @@
 
 #include "haptics_cpu/height_field.hpp"
 #include "player/draw/finger_marks.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 
 namespace touchable {
 

@@ -10,7 +10,7 @@ struct ImGuiContext;
 #include <vector>
 
 #include "engine/base/result.hpp"
-#include "player/window/input_event.hpp"
+#include "player/view/pointer.hpp"
 
 namespace touchable {
 

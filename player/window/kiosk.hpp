@@ -22,8 +22,8 @@
 #include "engine/base/result.hpp"
 #include "engine/base/words.hpp"
 #include "engine/scene/checked_json.hpp"
+#include "player/view/pointer.hpp"
 #include "player/window/background_writer.hpp"
-#include "player/window/input_event.hpp"
 #include "player/window/persistent_device.hpp"
 
 namespace touchable {

@@ -15,8 +15,8 @@
 #include "engine/scene/frames.hpp"
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/view.hpp"
-#include "player/window/input_event.hpp"
+#include "player/view/pointer.hpp"
+#include "player/view/view.hpp"
 
 namespace touchable {
 

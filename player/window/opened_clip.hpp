@@ -19,8 +19,8 @@
 #include "player/run/run_files.hpp"
 #include "player/session/clip_choice.hpp"
 #include "player/session/watched_session.hpp"
+#include "player/view/pointer.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/pointer.hpp"
 #include "player/window/session_settings.hpp"
 
 namespace touchable {

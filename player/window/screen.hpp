@@ -9,7 +9,7 @@
 #include "engine/gpu/gpu_commands.hpp"
 #include "engine/gpu/gpu_device.hpp"
 #include "player/draw/gpu_image.hpp"
-#include "player/window/input_event.hpp"
+#include "player/view/pointer.hpp"
 
 namespace touchable {
 

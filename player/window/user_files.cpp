@@ -6,8 +6,8 @@
 #include "engine/base/files.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
+#include "player/view/pointer.hpp"
 #include "player/window/play_window.hpp"
-#include "player/window/pointer.hpp"
 #include "player/window/window_files.hpp"
 
 namespace touchable {

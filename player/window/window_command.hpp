@@ -21,7 +21,7 @@
 
 #include "engine/authoring/segments.hpp"
 #include "engine/base/result.hpp"
-#include "player/window/input_event.hpp"
+#include "player/view/pointer.hpp"
 
 namespace touchable {
 

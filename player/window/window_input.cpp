@@ -80,6 +80,10 @@ void WindowInput::take_pointer(const InputEvent& event) {
     if (is_right && event.kind == Kind::pressed) clicked_ = at_;
     if (is_right && event.kind == Kind::released && glm::distance(at_, clicked_) < DoubleClick::farthest_px)
         panel_.menu_at = at_;
+    const bool is_middle = event.word == "middle" || (event.word == "left" && event.control);
+    if (event.kind == Kind::pressed && is_middle && !is_of_panel &&
+        middle_click_.press(window_.time.script_s, at_))
+        middle_ = at_;
     const ScreenSize size = window_.screen->size();
     const auto leads = window_.options.hand || window_.any_button(LeftButton::turns_view)
                            ? PointerInput::Leads::view

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "player/window/pointer.hpp"
+#include "player/view/pointer.hpp"
 #include "player/window/window_clock.hpp"
 #include "player/window/window_command.hpp"
 
@@ -53,12 +53,16 @@ public:
     void release_panel();
     /// Moves the pointer by pixels.
     void move_by(double x, double y);
-    void begin_clip() { pointer_ = PointerInput(); }
+    void begin_clip() {
+        pointer_ = PointerInput();
+        middle_click_.forget();
+        middle_.reset();
+    }
     /// Once a turn, with a clip: shows and hides the pointer and the bar.
     void go_on();
 
     /// Makes the place last clicked with the right button the view's middle.
-    void centre() { pointer_.ask_for_middle(clicked_); }
+    void centre() { middle_ = clicked_; }
     /// Where the right button was last pressed.
     const glm::dvec2& clicked() const { return clicked_; }
     /// The pointer's current or last position: window, pixels.
@@ -71,7 +75,9 @@ public:
     bool holds() const { return pointer_.holds() || touches_.holds(); }
     /// As far as known.
     bool has_touch_screen() const;
-    std::optional<glm::dvec2> take_double_click() { return pointer_.take_double_click(); }
+    /// Returns the place that becomes the view's middle, of `centre` or of a double click with the middle
+    /// button, once.
+    std::optional<glm::dvec2> take_middle() { return std::exchange(middle_, std::nullopt); }
 
     /// Lifts fingers: the pointer's place changes, and a pressed finger would jump there.
     void turn_fullscreen();
@@ -103,7 +109,8 @@ private:
     bool was_touched_ = false;  // by a touch screen finger
     glm::dvec2 at_{0.0};
     bool is_there_ = false;  // the pointer, in the window
-    DoubleClick fullscreen_click_;
+    DoubleClick fullscreen_click_, middle_click_;
+    std::optional<glm::dvec2> middle_;
     glm::dvec2 clicked_{0.0};
     bool is_fullscreen_ = false;
     std::vector<InputEvent> events_;

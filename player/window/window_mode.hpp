@@ -21,8 +21,8 @@
 
 #include "engine/base/result.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/view.hpp"
 #include "player/session/watched_session.hpp"
+#include "player/view/view.hpp"
 #include "player/window/panel_facts.hpp"
 #include "player/window/screen.hpp"
 #include "player/window/window_command.hpp"

@@ -9,8 +9,8 @@
 #include <deque>
 
 #include "engine/base/words.hpp"
+#include "player/view/pointer.hpp"
 #include "player/window/measure.hpp"
-#include "player/window/pointer.hpp"
 #include "player/window/user_files.hpp"
 #include "player/window/window_brush.hpp"
 #include "player/window/window_mode.hpp"

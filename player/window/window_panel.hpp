@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "player/view/pointer.hpp"
 #include "player/window/panel_facts.hpp"
-#include "player/window/pointer.hpp"
 #include "player/window/window_command.hpp"
 
 namespace touchable {

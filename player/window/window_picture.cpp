@@ -10,8 +10,8 @@
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
 #include "player/draw/pictures.hpp"
-#include "player/draw/view.hpp"
 #include "player/run/terminal.hpp"
+#include "player/view/view.hpp"
 #include "player/window/window_clips.hpp"
 #include "player/window/window_input.hpp"
 #include "player/window/window_state.hpp"
@@ -459,7 +459,7 @@ Result<void> WindowPicture::draw(const WatchedMoment& moment) {
     clip.view().leave_free({aside / size.width, below});
     clip.view().note_middle(field);
     const ViewCamera camera = clip.view().camera(size.width, size.height);
-    if (const auto at = input_.take_double_click())
+    if (const auto at = input_.take_middle())
         if (const auto met = pick(field, camera, at->x, at->y)) clip.view().look_at(met->point);
     for (WindowMode* const mode : window_.modes) mode->prepare({moment, field, camera});
     if (!is_offline_) lead_fingers(moment);

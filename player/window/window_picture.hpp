@@ -14,7 +14,7 @@
 //
 // Runs on the window's thread. A film is encoded on a separate thread (WindowFilm).
 
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 #include "player/window/clip_picture.hpp"
 #include "player/window/imgui_layer.hpp"
 #include "player/window/window_clock.hpp"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "engine/base/result.hpp"
-#include "player/window/input_event.hpp"
+#include "player/view/pointer.hpp"
 
 namespace touchable {
 

@@ -198,7 +198,19 @@ private:
         const touch_solver solver = one_of(solvers_);
         if (rarely()) {
             std::uint64_t hash;
-            return upto(2) ? touch_solver_come_back(solver) : touch_solver_force_hash(solver, or_null(&hash));
+            std::size_t length = 0;
+            switch (upto(5)) {
+                case 0:
+                    return touch_solver_come_back(solver);
+                case 1:
+                    return touch_solver_state_hash(solver, or_null(&hash));
+                case 2:
+                    return touch_solver_save(solver, or_null(saved_.data()), saved_.size(), or_null(&length));
+                case 3:
+                    return touch_solver_load(solver, or_null(saved_.data()), upto(saved_.size() + 1), error());
+                default:
+                    return touch_solver_force_hash(solver, or_null(&hash));
+            }
         }
         touch_tick at = tick_at(++tick_);
         spoil(at.struct_size, at.tick, at.time_ns);
@@ -231,6 +243,7 @@ private:
     std::vector<touch_surface> surfaces_;
     std::vector<touch_solver> solvers_;
     std::array<touch_contact, 256> contacts_{};
+    std::array<std::uint8_t, 2000> saved_{};
 };
 
 TEST(HostileCalls, EachGivesStatus) {

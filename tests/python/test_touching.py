@@ -200,6 +200,30 @@ class Surfaces(unittest.TestCase):
         self.assertTrue(numpy.array_equal(numpy.concatenate([forces, rest.force_n]), whole.force_n))
         self.assertEqual(rest.time_s[0], 0.150)
 
+    def test_GoesOnFromSavedState(self):
+        depth, camera = hill()
+        path = stroke(camera)
+        with touchable.Solver(touchable.Surface(depth, camera)) as solver:
+            with self.assertRaises(touchable.UsageError):
+                solver.save()
+            solver.run(path[:100])
+            state, state_hash = solver.save(), solver.state_hash
+            rest, force_hash = solver.run(path[100:]), solver.force_hash
+        with touchable.Solver(touchable.Surface(depth, camera)) as other:
+            other.load(state)
+            self.assertEqual((other.next_tick, other.save(), other.state_hash), (100, state, state_hash))
+            self.assertTrue(numpy.array_equal(other.run(path[100:]).force_n, rest.force_n))
+            self.assertEqual(other.force_hash, force_hash)
+            other.load(state)  # and back
+            self.assertTrue(numpy.array_equal(other.run(path[100:]).force_n, rest.force_n))
+            for wrong in (b"", state[:-1], state[:200] + bytes([state[200] ^ 1]) + state[201:]):
+                with self.assertRaises(touchable.Error):
+                    other.load(wrong)
+            self.assertEqual(other.force_hash, force_hash)
+        with touchable.Solver(touchable.Surface(depth + 0.001, camera)) as elsewhere:
+            with self.assertRaisesRegex(touchable.Error, "not those on which the moment was saved|another scene"):
+                elsewhere.load(state)
+
     def test_MovingSurfaceMatchesClip(self):
         path = None
         with touchable.open(globe()) as clip:

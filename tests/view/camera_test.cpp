@@ -12,8 +12,8 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/gpu/surface_kernels.hpp"
 #include "engine/gpu/vulkan_builder.hpp"
-#include "player/draw/drawn_surface.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/view.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 

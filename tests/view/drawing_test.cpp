@@ -19,7 +19,7 @@
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
 #include "player/draw/pictures.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 #include "shaders/cut_rule.h"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/stand_ins.hpp"

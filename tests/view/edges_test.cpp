@@ -19,13 +19,13 @@
 #include <vector>
 
 #include "player/draw/cpu_painting.hpp"
-#include "player/draw/drawn_surface.hpp"
 #include "player/draw/finger_marks.hpp"
 #include "player/draw/gpu_painting.hpp"
 #include "player/draw/light_picture.hpp"
 #include "player/draw/overlay_rows.hpp"
 #include "player/draw/pictures.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/drawn_surface.hpp"
+#include "player/view/view.hpp"
 #include "tests/gpu/gpu_fixture.hpp"
 #include "tests/view/shown.hpp"
 

@@ -13,7 +13,7 @@
 #include "player/draw/light_picture.hpp"
 #include "player/draw/overlay_rows.hpp"
 #include "player/draw/overlays.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 #include "tests/view/shown.hpp"
 
 namespace touchable::test {

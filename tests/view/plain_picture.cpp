@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "player/draw/cpu_painting.hpp"
-#include "player/draw/drawn_surface.hpp"
+#include "player/view/drawn_surface.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/gap_fill.h"
 

@@ -102,6 +102,19 @@ double force_in_the_end(const std::string& name, const std::string& script, cons
     return glm::length(recording->back().ticks.back().forces.at(0));
 }
 
+/// The place that is pressed twice becomes the view's middle.
+TEST(PlayerControls, MiddleDoubleClickCentres) {
+    const auto pressed_at = [](const std::string& first, const std::string& second) {
+        const std::string press = " press middle\n", release = " release middle\n";
+        return shown(still,
+                     "0.1 move 130 120\n0.2" + press + "0.25" + release + first + press + second + release,
+                     "1.5");
+    };
+    const Image twice = pressed_at("0.4", "0.45"), slowly = pressed_at("0.6", "0.65");
+    EXPECT_LT(in_the_middle(slowly, shown(still, "0.1 move 130 120\n", "1.5")), 50);
+    EXPECT_GT(in_the_middle(slowly, twice), 1000);
+}
+
 TEST(PlayerControls, DoubleClickPressesOnce) {
     const std::string first = "0.1 move 160 100\n0.2 press left\n0.25 release left\n";
     EXPECT_GT(force_in_the_end(still, first + "0.8 press left\n", "1.6"), 0.05);

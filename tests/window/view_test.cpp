@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/content/scenes.hpp"
+#include "player/view/pointer.hpp"
 #include "player/window/clip_picture.hpp"
-#include "player/window/pointer.hpp"
 
 namespace touchable::test {
 namespace {

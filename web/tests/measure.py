@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 from browser import Chromium, Server
-from page_test import Recording
+from page_test import Recording, copy_page
 
 MBIT = 125_000  # bytes
 # A page that is isolated so has a clock of 5 microseconds, else of 100.
@@ -29,8 +29,7 @@ def packed(touchable, page, folder, size):
     clip = folder / f"globe{size}.mkv"
     program(touchable, "make", "globe", clip, "--size", size, "--frames", 60)
     program(touchable, "convert", clip, folder / size, "--web")
-    for file in page.iterdir():
-        shutil.copy(file, folder / size)
+    copy_page(page, folder / size)
     return folder / size
 
 

@@ -4,7 +4,6 @@
 // Stands before engine/base/threads.hpp on the include path of WebAssembly, which has one thread here: what
 // the engine uses of it, without threads. The worker of a page is never asked to stop: the page ends it.
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
@@ -21,10 +20,6 @@ inline Error interrupted_error() {
 bool until_stopped(std::size_t count, auto&& work) {
     work(std::size_t{0}, count);
     return true;
-}
-
-inline std::int64_t boot_ns() {
-    return std::chrono::steady_clock::now().time_since_epoch().count();
 }
 
 struct RowBand {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -8,7 +8,7 @@
 #include "engine/base/same_bits.hpp"
 #include "engine/base/try.hpp"
 #include "engine/base/words.hpp"
-#include "player/draw/drawn_surface.hpp"
+#include "player/view/drawn_surface.hpp"
 #include "shaders/cut_rule.h"
 
 // The camera of a viewpoint, and ray casting. A ray is also straight in lattice space (x, y, q), so it is

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The surface as every painter draws it: its vertices between two frames, its light, and the pixels that a
-// triangle covers. Plain code, vertex by vertex; cpu_painting.hpp does the same with vectors,
-// gpu_painting.hpp with kernels.
+// The surface as every painter draws it: its vertices between two frames, its light, the pixels that a
+// triangle covers, and colours. Plain code, vertex by vertex; cpu_painting.hpp of `draw` does the same with
+// vectors, gpu_painting.hpp with kernels. A page takes the drawn depths of a frame:
+//
+//     const std::vector<float> q = q_of(field);  // 1 / planar depth of each pixel
+//
+// Threads: any may call all functions, several at once, while the field's frames live.
 
 #include <algorithm>
 #include <array>
@@ -18,13 +22,44 @@
 
 #include "engine/scene/frames.hpp"
 #include "haptics_cpu/height_field.hpp"
-#include "player/draw/pictures.hpp"
-#include "player/draw/view.hpp"
+#include "player/view/view.hpp"
 #include "shaders/cut_rule.h"
 #include "shaders/edge_rule.h"
 #include "shaders/view_project.h"
 
 namespace touchable {
+
+/// How a vertex's colour is lit, to show relief. Clay is always in full light.
+enum class Lighting {
+    off,     ///< unchanged: photographs have the light of their place
+    soft,    ///< half of the full light's effect
+    full,    ///< a gentle light
+    values,  ///< unchanged, for maps, whose colours carry values: nothing may darken them
+};
+
+/// How much of the full light's effect a colour gets, 0 to 1.
+constexpr float light_strength(Lighting lighting) {
+    return lighting == Lighting::full ? 1.0F : lighting == Lighting::soft ? 0.5F : 0.0F;
+}
+
+/// What a painter draws: the lattice at one moment, with a colour at every vertex.
+struct ViewSurface {
+    /// Tiles of TileGrid with something to draw, as row * tiles_x + column, ascending.
+    struct Tiles {
+        std::vector<std::uint32_t> whole;  ///< no triangle is cut (shaders/cut_rule.h)
+        /// Some triangles are cut; at least one has no hole, so the clip's own view shows it.
+        std::vector<std::uint32_t> mixed;
+        bool operator==(const Tiles&) const = default;
+    };
+
+    int width = 0, height = 0;
+    float focal_length = 0;             ///< of the clip's camera, pixels
+    bool fills_gaps = false;            ///< with these colours, and holes (shaders/gap_fill.h)
+    std::vector<float> q;               ///< 1 / planar depth, height subtracted; 0: invalid. Row-major
+    std::vector<PackedColour> colours;  ///< row-major
+
+    std::size_t index(int x, int y) const { return pixel_place(x, y, width); }
+};
 
 /// A painter's output, row-major: z (see ViewCamera; 0: empty) and colour of every pixel.
 struct PicturePlanes {
@@ -96,6 +131,16 @@ UsualQ usual_q(int width, int height, const std::function<float(int x, int y)>& 
 /// behind the clip's camera.
 std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& surface,
                                       const PlaneView& colour, Lighting lighting);
+
+/// Colours from dark blue through green to light yellow, lightness growing evenly as perceived (OKLab), none
+/// of them grey: legible without telling red from green, by lightness and by blue and yellow.
+const std::array<PackedColour, 256>& colour_ramp();
+
+/// The ramp's colour at 0 to 1; beyond, the end's.
+PackedColour ramp_colour(double share);
+
+/// The colour of a finger, by its number.
+PackedColour finger_colour(std::size_t finger);
 
 /// A corner in clip space (ViewCamera) with a value to interpolate: a colour, a normal or similar.
 struct FillCorner {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "player/window/pointer.hpp"
+#include "player/view/pointer.hpp"
 
 #include <array>
 #include <glm/geometric.hpp>
@@ -35,7 +35,6 @@ constexpr double step_m = 0.003, caught_m = 0.005, again_m = 0.001;
 
 constexpr double metres_per_notch = 0.0005, metres_per_pixel = 0.00003;  // of the hand, into the surface
 constexpr double nearer_per_notch = 1.15;
-constexpr std::chrono::milliseconds double_click(400);
 
 void turn_by(const glm::dvec2& moved, WindowView& view, int height) {
     const glm::dvec2 degrees = moved * (WindowView::degrees_per_height / std::max(height, 1));
@@ -373,10 +372,6 @@ void PointerInput::press(const InputEvent& event) {
     // Ctrl and left stand in for a missing middle button.
     held_ = event.word == "left" && event.control ? "middle" : event.word;
     shift_ = event.shift;
-    if (held_ != "middle") return;
-    const auto now = Clock::now();
-    if (last_middle_ && now - *last_middle_ < double_click) double_click_ = at_;
-    last_middle_ = now;
 }
 
 void PointerInput::drag(const glm::dvec2& moved, Leads leads, PointerFingers& fingers, WindowView& view,

@@ -11,10 +11,11 @@
 //     pointer.take(event, PointerInput::Leads::fingers, fingers, view, width, height);  // for each event
 //     fingers.intend(field, view.camera(width, height), felt);                          // once a picture
 //
-// The goals go to a PointerDevice, from which the haptic thread reads the fingers' positions. All of this
-// belongs to the window's thread, never waits, and never fails. Pointer positions are pixels of the picture
-// from its upper left; lengths whose names end in _m are the hand's (device metres), along a ray and growing
-// into the surface; all other positions are in world coordinates.
+// The goals go to a PointerDevice, from which the haptic thread reads the fingers' positions. All of it
+// never waits, and never fails. Pointer positions are pixels of the picture from its upper left; lengths
+// whose names end in _m are the hand's (device metres), along a ray and growing into the surface; all other
+// positions are in world coordinates.
+// Threads: all of this belongs to the window's, or the page's worker.
 
 #include <array>
 #include <cstdint>
@@ -30,11 +31,42 @@
 #include "engine/scene/scene.hpp"
 #include "haptics_cpu/height_field.hpp"
 #include "haptics_cpu/touch_step.hpp"
-#include "player/draw/view.hpp"
-#include "player/window/input_event.hpp"
-#include "player/window/window_clock.hpp"
+#include "player/view/view.hpp"
 
 namespace touchable {
+
+/// A user input, from a window system or a script. Positions are pixels of the picture, from its upper left.
+struct InputEvent {
+    enum class Kind {
+        moved,     ///< the pointer, to (x, y)
+        pressed,   ///< a button, `word`: left, right or middle
+        released,  ///< as `pressed`
+        wheel,     ///< turned by y notches, away from the person is positive
+        key,  ///< `word`: a letter, digit or sign, or space, left, right, up, down, home, tab, escape, ...
+        key_released,  ///< as `key`
+        resized,       ///< the picture has another size, or has to be shown again
+        dropped,       ///< `word`: a file or folder that was dropped on the window
+        left_window,   ///< the pointer left, or the window lost the focus: nothing touches
+        touch_began,   ///< a finger came down on a touch screen, at (x, y); `touch` is its number
+        touch_moved,   ///< as `touch_began`
+        touch_ended,   ///< it was lifted
+        close          ///< a request to close the window
+    };
+    Kind kind = Kind::moved;
+    double x = 0, y = 0;
+    std::string word{};
+    bool control = false, shift = false;  ///< held at that moment
+    bool repeated = false;                ///< a key that is still held
+    bool stopped_force = false;           ///< a key that has already switched all forces off on arrival
+    std::int64_t touch = 0;               ///< unique among the fingers that are down
+    double seconds = 0;                   ///< of a touch; its clock is monotonic while a finger is down
+};
+
+inline bool is_touch(const InputEvent& event) {
+    using Kind = InputEvent::Kind;
+    return event.kind == Kind::touch_began || event.kind == Kind::touch_moved ||
+           event.kind == Kind::touch_ended;
+}
 
 /// The window's viewpoint: the clip's own camera, until the view is turned, moved or zoomed.
 class WindowView {
@@ -191,8 +223,6 @@ private:
 /// The mouse's actions over the picture. The left button with Ctrl acts as the middle button.
 class PointerInput {
 public:
-    using Clock = WindowClock;
-
     enum class Leads {
         fingers,  ///< the left button presses them, the right one and the wheel deepen; the middle one turns
                   ///< the view
@@ -208,9 +238,6 @@ public:
     void leave(PointerFingers& fingers);
     /// Whether a button pressed over the picture is held.
     bool holds() const { return !held_.empty(); }
-    void ask_for_middle(const glm::dvec2& at) { double_click_ = at; }
-    /// Returns the place of a double click with the middle button, or one asked for, once.
-    std::optional<glm::dvec2> take_double_click() { return std::exchange(double_click_, std::nullopt); }
 
 private:
     glm::dvec2 move_to(const glm::dvec2& place, PointerFingers& fingers);
@@ -220,8 +247,6 @@ private:
 
     glm::dvec2 at_{0.0};
     std::string held_;  // the button
-    std::optional<Clock::time_point> last_middle_;
-    std::optional<glm::dvec2> double_click_;
     bool shift_ = false;
 };
 

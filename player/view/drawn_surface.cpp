@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "player/draw/drawn_surface.hpp"
+#include "player/view/drawn_surface.hpp"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -59,6 +59,31 @@ void smooth(const ViewSurface& surface, std::vector<glm::vec3>& normals) {
 PackedColour packed(const glm::vec3& colour) {
     const glm::uvec3 byte(colour + 0.5F);
     return pack_colour(byte.r, byte.g, byte.b);
+}
+
+// Okabe and Ito's colours, in the order of the plots (player/plot/style.py): distinct with any colour vision.
+// Three of Tol's follow, for ten different fingers.
+constexpr std::array<PackedColour, 10> finger_colours{pack_colour(0, 114, 178),   pack_colour(230, 159, 0),
+                                                      pack_colour(0, 158, 115),   pack_colour(213, 94, 0),
+                                                      pack_colour(204, 121, 167), pack_colour(86, 180, 233),
+                                                      pack_colour(240, 228, 66),  pack_colour(51, 34, 136),
+                                                      pack_colour(136, 34, 85),   pack_colour(153, 153, 51)};
+
+/// Linear light of sRGB's primaries (OKLab: Ottosson 2020).
+glm::dvec3 linear_rgb(double lightness, double a, double b) {
+    const auto cube = [](double x) { return x * x * x; };
+    const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b),
+                 m = cube(lightness - 0.1055613458 * a - 0.0638541728 * b),
+                 s = cube(lightness - 0.0894841775 * a - 1.2914855480 * b);
+    return {4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+            -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+            -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s};
+}
+
+std::uint32_t byte_of_light(double light_share) {
+    const double x = std::clamp(light_share, 0.0, 1.0);
+    const double srgb = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+    return static_cast<std::uint32_t>(255 * srgb + 0.5);
 }
 
 }  // namespace
@@ -168,6 +193,32 @@ std::vector<PackedColour> lit_colours(const Camera& camera, const ViewSurface& s
             colours.push_back(packed(lit_clay((surface.q[at] - farthest_q) / q_range, light)));
         }
     return colours;
+}
+
+const std::array<PackedColour, 256>& colour_ramp() {
+    static const std::array<PackedColour, 256> ramp = [] {
+        // In OKLab: lightness of the ends, and a quadratic curve through colour, whose middle control point
+        // is green. Every colour is within sRGB.
+        constexpr double dark = 0.28, light = 0.95;
+        constexpr glm::dvec2 blue(0.03, -0.13), green(-0.13, 0), yellow(-0.035, 0.12);
+        std::array<PackedColour, 256> made;
+        for (std::size_t k = 0; k < made.size(); ++k) {
+            const double share = static_cast<double>(k) / 255, rest = 1 - share;
+            const glm::dvec2 ab = rest * rest * blue + 2 * share * rest * green + share * share * yellow;
+            const glm::dvec3 rgb = linear_rgb(glm::mix(dark, light, share), ab.x, ab.y);
+            made[k] = pack_colour(byte_of_light(rgb.r), byte_of_light(rgb.g), byte_of_light(rgb.b));
+        }
+        return made;
+    }();
+    return ramp;
+}
+
+PackedColour ramp_colour(double share) {
+    return colour_ramp()[static_cast<std::size_t>(255 * std::clamp(share, 0.0, 1.0) + 0.5)];
+}
+
+PackedColour finger_colour(std::size_t finger) {
+    return finger_colours[finger % finger_colours.size()];
 }
 
 }  // namespace touchable
