@@ -20,45 +20,31 @@ namespace {
 constexpr int second_ticks = 1000;
 constexpr double under_mm = 2, above_mm = 50;  // of the true surface, along the optical axis
 
-/// A tick does the haptic thread's work: with a lazy filter also the filtering of touched pixels.
-class SweepTicks final : public TimedRun {
+/// Ticks over a playing clip; with a lazy filter they also filter the touched pixels.
+class SweepTicks final : public SolverTicks {
 public:
     SweepTicks(PlayedClip& played, const TouchSolver& solver, int fingers, std::vector<glm::dvec3> goals)
-        : played_(played),
-          solver_(solver),
-          goals_(std::move(goals)),
-          fingers_(static_cast<std::size_t>(fingers)),
-          contacts_(fingers_.size()) {}
+        : SolverTicks([&played](std::int64_t ns) { return played.pair_at(ns); }, played.scene(), solver,
+                      fingers, std::move(goals)),
+          played_(played) {}
 
-    int ticks() const override { return static_cast<int>(goals_.size() / fingers_.size()); }
     void restart() override {
-        std::ranges::fill(fingers_, FingerState{});
+        SolverTicks::restart();
         played_.restart();
     }
     void prepare(int /*begin*/, int end) override { played_.play_to((end - 1) * tick_length_ns); }
-    void tick(int k) override {
-        const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
-        const std::size_t fingers = fingers_.size();
-        solver_.tick(field, std::span(goals_).subspan(static_cast<std::size_t>(k) * fingers, fingers),
-                     fingers_, contacts_);
-    }
-    const std::vector<Contact>& contacts() const { return contacts_; }
     /// What is wrong with a contact of tick k, the last one; nullptr: all are valid.
     const char* fault(int k) const {
-        const HeightField field(played_.scene(), played_.pair_at(k * tick_length_ns));
-        for (const Contact& contact : contacts_)
-            if (const char* fault = fault_of(contact, field, solver_.settings().metres_per_scene_unit,
-                                             behind_tolerance(solver_.settings().metric)))
+        const HeightField of_tick = field(k);
+        for (const Contact& contact : contacts())
+            if (const char* fault =
+                    fault_of(contact, of_tick, metres_per_scene_unit(), behind_tolerance(metric())))
                 return fault;
         return nullptr;
     }
 
 private:
     PlayedClip& played_;
-    const TouchSolver& solver_;
-    std::vector<glm::dvec3> goals_;
-    std::vector<FingerState> fingers_;
-    std::vector<Contact> contacts_;
 };
 
 /// The hand comes down in the first half second; the figures start with the second second. Fingers are evenly

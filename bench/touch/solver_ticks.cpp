@@ -19,27 +19,28 @@ Error wrong(int tick, std::size_t finger, const char* fault) {
 
 }  // namespace
 
-SolverTicks::SolverTicks(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
-                   const TouchSolver& solver, std::vector<glm::dvec3> goals)
-    : surface_(surface),
-      scene_(surface.scene()),
+SolverTicks::SolverTicks(PairAt pair_at, const Scene& scene, const TouchSolver& solver, int fingers,
+                         std::vector<glm::dvec3> goals)
+    : pair_at_(std::move(pair_at)),
+      scene_(scene),
       solver_(solver),
       goals_(std::move(goals)),
-      fingers_(static_cast<std::size_t>(c.fingers)),
-      contacts_(fingers_.size()) {
-    scene_.default_properties = properties;
-    if (c.hold) scene_.interpolation = FrameInterpolation::hold;
-}
+      fingers_(static_cast<std::size_t>(fingers)),
+      contacts_(fingers_.size()) {}
 
 Result<std::unique_ptr<SolverTicks>> SolverTicks::create(const TouchSurface& surface, const TouchCase& c,
-                                                   const HapticProperties& properties,
-                                                   std::vector<glm::dvec3> goals) {
+                                                         const HapticProperties& properties,
+                                                         std::vector<glm::dvec3> goals) {
     TouchSettings settings;
     settings.metric = c.metric;
     settings.metres_per_scene_unit = surface.scene().device_metres_per_unit.value();
     const auto solver = TouchSolver::create(surface.scene(), settings);
     if (!solver) return solver.error();
-    return std::unique_ptr<SolverTicks>(new SolverTicks(surface, c, properties, *solver, std::move(goals)));
+    Scene scene = surface.scene();
+    scene.default_properties = properties;
+    if (c.hold) scene.interpolation = FrameInterpolation::hold;
+    return std::make_unique<SolverTicks>([&surface](std::int64_t ns) { return surface.pair_at(ns); }, scene,
+                                         *solver, c.fingers, std::move(goals));
 }
 
 void SolverTicks::restart() {
@@ -47,7 +48,7 @@ void SolverTicks::restart() {
 }
 
 HeightField SolverTicks::field(int k) const {
-    return {scene_, surface_.pair_at(k * tick_length_ns)};
+    return {scene_, pair_at_(k * tick_length_ns)};
 }
 
 void SolverTicks::tick(int k) {

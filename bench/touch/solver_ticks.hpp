@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <span>
@@ -14,12 +15,16 @@ namespace touchable {
 
 /// Moves the goals of one or more fingers over a surface at 1 kHz of its own time. A tick does the haptic
 /// thread's work: the present field, then the solver for all fingers.
-class SolverTicks final : public TimedRun {
+class SolverTicks : public TimedRun {
 public:
     /// `goals`: all fingers of tick 0, of tick 1, ... The surface must outlive the run.
     static Result<std::unique_ptr<SolverTicks>> create(const TouchSurface& surface, const TouchCase& c,
-                                                    const HapticProperties& properties,
-                                                    std::vector<glm::dvec3> goals);
+                                                       const HapticProperties& properties,
+                                                       std::vector<glm::dvec3> goals);
+    /// Over the frames of any moment, ns.
+    using PairAt = std::function<FramePair(std::int64_t)>;
+    SolverTicks(PairAt pair_at, const Scene& scene, const TouchSolver& solver, int fingers,
+                std::vector<glm::dvec3> goals);
 
     int ticks() const override { return static_cast<int>(goals_.size() / fingers_.size()); }
     void restart() override;
@@ -35,11 +40,8 @@ public:
     double metres_per_scene_unit() const { return solver_.settings().metres_per_scene_unit; }
 
 private:
-    SolverTicks(const TouchSurface& surface, const TouchCase& c, const HapticProperties& properties,
-             const TouchSolver& solver, std::vector<glm::dvec3> goals);
-
-    const TouchSurface& surface_;
-    Scene scene_;  // the surface's scene with this run's properties
+    PairAt pair_at_;
+    Scene scene_;
     TouchSolver solver_;
     std::vector<glm::dvec3> goals_;
     std::vector<FingerState> fingers_;

@@ -220,7 +220,7 @@ class Surfaces(unittest.TestCase):
                 with self.assertRaises(touchable.Error):
                     other.load(wrong)
             self.assertEqual(other.force_hash, force_hash)
-        with touchable.Solver(touchable.Surface(depth + 0.001, camera)) as elsewhere:
+        with touchable.Solver(touchable.Surface(depth + numpy.uint16(1), camera)) as elsewhere:
             with self.assertRaisesRegex(touchable.Error, "not those on which the moment was saved|another scene"):
                 elsewhere.load(state)
 

@@ -30,14 +30,14 @@ void seal(std::vector<std::uint8_t>& moment) {
             static_cast<std::uint8_t>(hash.value() >> (8 * k));
 }
 
-bool parse_moment(std::string_view bytes) {
+bool parse_snapshot(std::string_view bytes) {
     const Scene scene = small_scene();
     SurfaceQueue surface(scene, make_cpu_builder(scene, CpuPlan{1}));
     std::vector<std::uint8_t> depth(width * height);
     for (std::size_t k = 0; k < depth.size(); ++k) depth[k] = static_cast<std::uint8_t>(100 + k % 97);
     RawFrame raw;
     raw.depth = {depth.data(), width, width, height};
-    require(surface.give({raw}).has_value(), "a frame is not built");
+    require(bool(surface.give({raw})), "a frame is not built");
     const GuardSettings guard;
     TouchRun run(surface, nullptr, TouchSolver::create(scene, {}).value(), guard, 2);
     const auto tick_to = [&](std::int64_t tick, const MediaMoment& moment) {
@@ -68,7 +68,7 @@ bool parse_moment(std::string_view bytes) {
     return true;
 }
 
-const Registered moment_target{{.name = "moment", .parse = parse_moment, .cuts_are_refused = true}};
+const Registered snapshot_target{{.name = "snapshot", .parse = parse_snapshot, .cuts_are_refused = true}};
 
 }  // namespace
 }  // namespace touchable::fuzz
