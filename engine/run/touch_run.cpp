@@ -91,7 +91,7 @@ Result<std::optional<SurfaceQueue::Published>> SurfaceQueue::publish(const OnBui
         // A frame that is not shown stays in the writer's slot; the next one overwrites it.
         if (fed.shown) TRY(timeline_.publish(raw.number, raw.time_ns));
     }
-    Published published{std::move(begun_.front().fed), unchanged};
+    Published published = std::move(begun_.front());
     begun_.pop_front();
     return std::optional(std::move(published));
 }
@@ -114,12 +114,6 @@ Result<void> SurfaceQueue::forget() {
         TRY(builder_->finish(*slot));
     }
     return {};
-}
-
-bool comes_late(const RawFrame& raw, const Scene& scene, const MediaMoment& now) {
-    if (raw.epoch != now.epoch) return raw.epoch < now.epoch;
-    if (scene.interpolation == FrameInterpolation::hold) return now.time_ns >= raw.time_ns;
-    return now.time_ns > scene.rate.time_ns(raw.number - 1);
 }
 
 TouchRun::TouchRun(SurfaceQueue& surface, std::shared_ptr<PlaybackLog> log)

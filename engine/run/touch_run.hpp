@@ -47,7 +47,7 @@ struct FedFrame {
 /// The frames of a run on their way to the hand.
 class SurfaceQueue : NonCopyable {
 public:
-    /// A frame that was built and, if it is to be shown, published.
+    /// A frame that was begun, or built and, if it is to be shown, published.
     struct Published {
         FedFrame fed;
         bool unchanged = false;  ///< the frame before was published again
@@ -101,10 +101,6 @@ public:
     const SurfaceFrame* newest() const { return newest_built_; }
 
 private:
-    struct Begun {
-        FedFrame fed;
-        bool unchanged = false;
-    };
     bool is_unchanged(const RawFrame& raw) const;
 
     std::atomic<const Scene*> scene_ = nullptr;
@@ -113,14 +109,10 @@ private:
     bool remembers_ = false;  // a temporal filter makes another surface even of the same frame
     SurfaceTimeline timeline_;
     ReadPlace place_;
-    std::deque<Begun> begun_;
+    std::deque<Published> begun_;  // and not finished
     std::optional<RawFrame> newest_;  // begun last, of those that are shown
     const SurfaceFrame* newest_built_ = nullptr;
 };
-
-/// Whether a frame that is published now was needed earlier: with `hold` from its own time on, with `linear`
-/// as soon as the surface leaves the frame before. A late page, window or session counts these.
-bool comes_late(const RawFrame& raw, const Scene& scene, const MediaMoment& now);
 
 /// The ticks of a hand over a surface.
 class TouchRun {

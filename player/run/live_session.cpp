@@ -38,6 +38,14 @@ private:
 constexpr int log_ticks = 4096;
 constexpr std::chrono::milliseconds sink_pause(2);
 
+/// Whether a frame published now was needed earlier: with `hold` from its own time on, with `linear` as soon
+/// as the surface leaves the previous frame.
+bool comes_late(const RawFrame& raw, const Scene& scene, const MediaMoment& now) {
+    if (raw.epoch != now.epoch) return raw.epoch < now.epoch;
+    if (scene.interpolation == FrameInterpolation::hold) return now.time_ns >= raw.time_ns;
+    return now.time_ns > scene.rate.time_ns(raw.number - 1);
+}
+
 /// Starts a live source's clock with the hand's, so that no frame arrives before its exposure time.
 Result<void> begin_source(const HapticLoop& loop, SurfaceFeed& feed, FeedThreads& threads) {
     while (!loop.zero() && loop.running()) std::this_thread::sleep_for(sink_pause);
