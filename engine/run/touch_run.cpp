@@ -27,8 +27,10 @@ ReadPlace SurfaceQueue::first_place(std::uint64_t epoch, std::int64_t start_ns,
 }
 
 void SurfaceQueue::return_to(const MediaMoment& moment, std::int64_t frame) {
-    place_ = {moment.epoch, moment.start_ns, frame, frame};
-    if (remembers_) place_ = first_place(moment.epoch, moment.start_ns, std::nullopt);
+    if (!place_.is_of(moment)) place_ = first_place(moment.epoch, moment.start_ns, std::nullopt);
+    // Frames before are only needed by a filter that remembers them; those from there on may have been read
+    // already.
+    if (!remembers_) place_.next_number = std::max(place_.next_number, frame);
 }
 
 bool SurfaceQueue::follow(const MediaMoment& moment, std::optional<std::int64_t> frames) {
